@@ -1,0 +1,4 @@
+//! Guides and sources, kept as Markdown beside the code.
+
+#[doc = include_str!("references.md")]
+pub mod references {}

@@ -1,0 +1,1 @@
+//! Friction between load, ground and robots.

@@ -1,0 +1,4 @@
+//! Shapes of loads, robots and obstacles.
+
+pub mod query;
+pub mod shape;

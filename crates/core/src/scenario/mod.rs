@@ -1,0 +1,3 @@
+//! Scenario files: what is moved, by whom, over which ground, how.
+
+pub mod document;
