@@ -1,1 +1,4 @@
+//! Oracles shared by the tests.
+#![forbid(unsafe_code)]
 
+pub mod oracle;

@@ -1,1 +1,4 @@
+//! Worlds, episodes, and the `cohaul` command.
+#![forbid(unsafe_code)]
 
+pub mod world;
