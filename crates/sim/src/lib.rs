@@ -1,4 +1,9 @@
 //! Worlds, episodes, and the `cohaul` command.
 #![forbid(unsafe_code)]
 
+pub mod episode;
+pub mod error;
+pub mod outcome;
+mod score;
+pub mod sensor;
 pub mod world;

@@ -1,0 +1,487 @@
+//! R2P2: roles with rules and proportional-control primitives.
+//!
+//! # Source
+//! [R2P2] §IV. Per tick: primitive (§IV-A, [`primitive`]), role (§IV-B, [`role`]), speeds (§IV-C, eqs. 3–5), and at intervals
+//! the check of the own slot ([`reposition`]). `v_b`, `ω_b` → `load_twist`, `r` → `lever`, `1/k_p` → `rotation_gain`,
+//! `translation_gain` (Table III tunes the reciprocals), `v_min` → `speed_min`, `v_max` of eq. 4 → `load_speed_max`.
+//!
+//! # Deviations
+//! Each has a key of its own in the scenario file; `variant: literal` switches all of them off at once.
+//! - `wrap`: the yaw error is the shortest signed angle; the paper compares |θ_c| with |θ_R|.
+//! - `heading_release` < `heading_threshold`: hysteresis, so that a rotation does not stop at the edge of its tolerance.
+//! - `turn_with_load`: ω has the sense of ω_b. A robot that stays at its place of the load turns with it; the printed −ω_b
+//!   holds only if ω is counted clockwise.
+//! - `gap_gain`: eq. 4 moves a preventing robot as fast as the load already moves; it is brought back to the edge when it
+//!   has run ahead.
+//! - `push_turns`: eq. 3 has ω = 0, which lets the heading error grow with the load's rotation.
+//! - `support: track`: eq. 5 lets a robot that faces the short end back straight off; the prose wants it to trace its place.
+//! - `stance: arc`: robots stand along the path of their slot instead of square to the edge. Eqs. 4 and 5 give the speed
+//!   ω_b r of the slot on its arc; a robot square to the edge cannot follow that arc and has to reposition itself.
+//! - `prevent: paced`: a preventing robot gives way at the speed that the pushing robots aim at (eq. 3, which it can work out
+//!   by itself) instead of the speed that the load has. Eq. 4 is a unit feedback: a load at rest between pushing and
+//!   preventing robots stays at rest, a load that a slope accelerates takes them along.
+//! - |ω_b| in eq. 4, which otherwise drives preventing robots forward in clockwise turns.
+//!
+//! [R2P2]: crate::_documentation::references
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::{Command, ControlError, Controller, Decision, Observation, Phase};
+use crate::kinematics::UnicycleLimits;
+use crate::scenario::document::{self, Prevent, Stance, Support, Variant};
+use crate::se2::{Twist2, cross, perpendicular, position, unit, wrap_angle, yaw};
+use crate::time::Time;
+use crate::transport::formation::{Formation, Slot};
+use crate::transport::primitive::{self, Primitive};
+use crate::transport::reposition::{Deviation, Repositioning};
+use crate::transport::role::{self, Role, RoleTolerances};
+
+/// Parameters with every value decided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Pushing speed per heading error, m/s per rad.
+    pub rotation_gain: f64,
+    /// Pushing speed per distance, 1/s.
+    pub translation_gain: f64,
+    /// Lowest pushing speed, m/s.
+    pub speed_min: f64,
+    /// Highest speed, m/s.
+    pub speed_max: f64,
+    /// Highest speed of a preventing robot, m/s.
+    pub load_speed_max: f64,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Heading error that starts a rotation, rad.
+    pub heading_threshold: f64,
+    /// Heading error that ends a rotation, rad.
+    pub heading_release: f64,
+    /// Shortest signed angles.
+    pub wrap: bool,
+    /// What a supporting robot does.
+    pub support: Support,
+    /// How robots stand to the edge.
+    pub stance: Stance,
+    /// At which speed preventing robots give way.
+    pub prevent: Prevent,
+    /// Whether a pushing robot turns with the load.
+    pub push_turns: bool,
+    /// Whether ω has the load's sense.
+    pub turn_with_load: bool,
+    /// Speed per clearance at which a preventing robot returns to the edge, 1/s.
+    pub gap_gain: f64,
+    /// Whether robots reposition themselves.
+    pub reposition: bool,
+    /// Control steps between two checks of the own slot.
+    pub check_interval: u32,
+    /// Deviation along the edge that starts a repositioning, m.
+    pub reposition_tangential: f64,
+    /// Deviation of the heading that starts a repositioning, rad.
+    pub reposition_heading: f64,
+    /// Clearance that starts a repositioning, m.
+    pub reposition_gap: f64,
+}
+
+impl Parameters {
+    /// The values of `keys`, those not given taken from its variant.
+    pub fn new(keys: &document::R2p2) -> Self {
+        let literal = keys.variant == Variant::Literal;
+        let heading_threshold = keys.heading_threshold.unwrap_or(0.2);
+        Self {
+            rotation_gain: keys.rotation_gain.unwrap_or(0.25),
+            translation_gain: keys.translation_gain.unwrap_or(0.3),
+            speed_min: keys.speed_min.unwrap_or(0.1),
+            speed_max: keys.speed_max.unwrap_or(0.22),
+            load_speed_max: keys.load_speed_max.unwrap_or(0.22),
+            rate_hz: keys.rate_hz.unwrap_or(20.0),
+            heading_threshold,
+            heading_release: keys.heading_release.unwrap_or(if literal { heading_threshold } else { 0.1 }),
+            wrap: keys.wrap.unwrap_or(!literal),
+            support: keys.support.unwrap_or(if literal { Support::Literal } else { Support::Track }),
+            stance: keys.stance.unwrap_or(if literal { Stance::Square } else { Stance::Arc }),
+            prevent: keys.prevent.unwrap_or(if literal { Prevent::Literal } else { Prevent::Paced }),
+            push_turns: keys.push_turns.unwrap_or(!literal),
+            turn_with_load: keys.turn_with_load.unwrap_or(!literal),
+            gap_gain: keys.gap_gain.unwrap_or(if literal { 0.0 } else { 1.0 }),
+            reposition: keys.reposition.unwrap_or(true),
+            check_interval: keys.check_interval.unwrap_or(25),
+            reposition_tangential: keys.reposition_tangential.unwrap_or(0.05),
+            reposition_heading: keys.reposition_heading.unwrap_or(0.26),
+            reposition_gap: keys.reposition_gap.unwrap_or(0.06),
+        }
+    }
+}
+
+/// Lever arm below which a robot turns the load not at all, and ε of the rule |w_i| > L/2 + ε, m.
+const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
+/// Feedback of a heading error while working, 1/s.
+const HEADING_GAIN: f64 = 1.0;
+/// The same where the robot has to turn to its arc, 1/s.
+const ARC_HEADING_GAIN: f64 = 3.0;
+/// Steering per deviation from the slot's path, rad/m, and its limit, rad.
+const STEERING: (f64, f64) = (3.0, 0.35);
+/// Speed by which a preventing robot in contact gives way faster than the pace, m/s: more than commands are truncated by.
+const YIELD: f64 = 0.02;
+/// Heading error at which a robot on its arc only turns, rad.
+const TURN_FIRST: f64 = 0.5;
+
+/// Forward speed of a robot in [`Role::Push`] (eq. 3), m/s.
+///
+/// `error` is in metres while translating and in radians while rotating; `gain` is the reciprocal of the paper's k_p.
+///
+/// ```
+/// # use cohaul_core::control::r2p2::push_speed;
+/// assert_eq!(push_speed(0.5, 0.3, 0.05, 0.22), 0.15);
+/// assert_eq!(push_speed(0.0, 0.3, 0.05, 0.22), 0.05); // never below speed_min
+/// assert_eq!(push_speed(9.0, 0.3, 0.05, 0.22), 0.22); // never above speed_max
+/// ```
+pub fn push_speed(error: f64, gain: f64, speed_min: f64, speed_max: f64) -> f64 {
+    (gain * error).clamp(speed_min, speed_max)
+}
+
+/// Forward speed of a robot in [`Role::Prevent`] (eq. 4), m/s: it gives way at the load's speed, at most `speed_max`.
+///
+/// `lever` is the distance of its slot from the load's centre, m.
+///
+/// ```
+/// # use cohaul_core::control::r2p2::prevent_speed;
+/// assert_eq!(prevent_speed(0.1, -0.2, 0.5, 0.3), -0.2); // the sense of the rotation does not matter
+/// assert_eq!(prevent_speed(0.4, 0.0, 0.5, 0.3), -0.3);
+/// ```
+pub fn prevent_speed(load_speed: f64, load_yaw_rate: f64, lever: f64, speed_max: f64) -> f64 {
+    -(load_speed + load_yaw_rate.abs() * lever).min(speed_max)
+}
+
+/// Forward speed of a robot in [`Role::Support`] as printed (eq. 5), m/s.
+///
+/// ```
+/// # use cohaul_core::control::r2p2::support_speed;
+/// assert_eq!(support_speed(0.1, 0.2, 0.5), 0.0);
+/// ```
+pub fn support_speed(load_speed: f64, load_yaw_rate: f64, lever: f64) -> f64 {
+    -load_speed + load_yaw_rate * lever
+}
+
+/// R2P2 of one robot.
+#[derive(Clone, Debug)]
+pub struct R2p2 {
+    parameters: Parameters,
+    manoeuvre: Repositioning,
+    slot: Slot,
+    /// Place in the team.
+    place: usize,
+    radius: f64,
+    gap: f64,
+    /// Half the load's extent across its heading, m.
+    half_length: f64,
+    waypoints: Vec<Vector2<f64>>,
+    tolerance: f64,
+    limits: UnicycleLimits,
+}
+
+/// What a robot carries from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Next waypoint.
+    waypoint: u16,
+    primitive: Option<Primitive>,
+    phase: Phase,
+    /// Control steps since the last check of the slot.
+    since_check: u32,
+    /// When the current manoeuvre began.
+    began: Time,
+}
+
+/// What one robot is to do in one mission.
+#[derive(Clone, Debug)]
+pub struct Task<'a> {
+    /// The team's slots.
+    pub formation: &'a Formation,
+    /// The robot's place in the team.
+    pub place: usize,
+    /// Half the load's extent across its heading, m.
+    pub half_length: f64,
+    /// Points for the load's centre, world frame, m; the goal is the last.
+    pub waypoints: Vec<Vector2<f64>>,
+    /// Distance at which one counts as reached, m.
+    pub tolerance: f64,
+    /// Limits of the robot.
+    pub limits: UnicycleLimits,
+}
+
+/// Everything of one tick that the laws need, in the load's frame.
+struct Situation {
+    primitive: Primitive,
+    role: Role,
+    /// |v_b|, m/s, and v_b in the load frame.
+    load_twist: Twist2,
+    heading_error: f64,
+    distance: f64,
+    deviation: Deviation,
+    /// Heading of the robot in the load frame, rad.
+    heading: f64,
+    /// Robot's centre minus its slot's, load frame, m.
+    offset: Vector2<f64>,
+}
+
+impl R2p2 {
+    /// The controller of one robot.
+    ///
+    /// # Errors
+    /// A parameter outside its range.
+    pub fn new(keys: &document::R2p2, task: Task<'_>) -> Result<Self, ControlError> {
+        let mut parameters = Parameters::new(keys);
+        let positive = |parameter, value: f64| {
+            if value > 0.0 { Ok(()) } else { Err(ControlError::Parameter { parameter, value, expected: "positive" }) }
+        };
+        positive("rate_hz", parameters.rate_hz)?;
+        positive("speed_max", parameters.speed_max)?;
+        parameters.speed_max = parameters.speed_max.min(task.limits.linear);
+        if !(0.0..=parameters.speed_max).contains(&parameters.speed_min) {
+            return Err(ControlError::Parameter {
+                parameter: "speed_min",
+                value: parameters.speed_min,
+                expected: "between 0 and speed_max",
+            });
+        }
+        let Some(slot) = task.formation.slots().get(task.place).copied() else {
+            return Err(ControlError::Parameter {
+                parameter: "place",
+                value: task.place as f64,
+                expected: "a slot of the formation",
+            });
+        };
+        Ok(Self {
+            parameters,
+            manoeuvre: Repositioning::default(),
+            slot,
+            place: task.place,
+            radius: task.formation.radius(),
+            gap: task.formation.gap(),
+            half_length: task.half_length,
+            waypoints: task.waypoints,
+            tolerance: task.tolerance,
+            limits: task.limits,
+        })
+    }
+
+    /// Distance of the slot from the load's centre, m.
+    fn lever(&self) -> f64 {
+        self.slot.center(self.radius, self.gap).norm()
+    }
+
+    /// Bearing of the waypoint minus the load's heading, rad (§IV-A).
+    fn heading_error(&self, bearing: f64, heading: f64) -> f64 {
+        if self.parameters.wrap { wrap_angle(bearing - heading) } else { bearing - heading }
+    }
+
+    /// Unit vector along which the slot moves in the load's frame while the primitive goes on.
+    fn path(&self, primitive: Primitive) -> Vector2<f64> {
+        match primitive {
+            Primitive::Translate => Vector2::x(),
+            Primitive::Rotate(turn) => {
+                let center = self.slot.center(self.radius, self.gap);
+                turn.sign() * perpendicular(&center) / center.norm()
+            }
+        }
+    }
+
+    /// Heading that the robot's role wants, load frame, rad.
+    fn wanted_heading(&self, primitive: Primitive, role: Role, heading: f64) -> f64 {
+        let facing = self.slot.facing;
+        let path = match (role, self.parameters.stance, self.parameters.support) {
+            (Role::Support, _, Support::Track) => self.path(primitive),
+            (Role::Support, ..) | (_, Stance::Square, _) => return facing.y.atan2(facing.x),
+            (_, Stance::Arc, _) => self.path(primitive),
+        };
+        // forwards or backwards: towards the load, or for a supporting robot whichever turns less
+        let toward = match role {
+            Role::Support => path.dot(&unit(heading)),
+            _ => path.dot(&facing),
+        };
+        let axis = if toward < 0.0 { -path } else { path };
+        axis.y.atan2(axis.x)
+    }
+
+    /// Whether the own slot calls for a repositioning.
+    fn is_off(&self, situation: &Situation) -> bool {
+        let p = &self.parameters;
+        let d = &situation.deviation;
+        let turns_by_itself =
+            p.stance == Stance::Arc || (situation.role == Role::Support && p.support == Support::Track);
+        d.tangential.abs() > p.reposition_tangential
+            || d.gap > p.reposition_gap
+            || (!turns_by_itself && d.heading.abs() > p.reposition_heading)
+    }
+
+    /// Speeds by role (§IV-C).
+    fn work(&self, s: &Situation) -> Command {
+        let p = &self.parameters;
+        let lever = self.lever();
+        let load_speed = s.load_twist.linear.norm();
+        let turn_rate = if p.turn_with_load { s.load_twist.angular } else { -s.load_twist.angular };
+        let wanted = self.wanted_heading(s.primitive, s.role, s.heading);
+        let error = wrap_angle(wanted - s.heading);
+        let on_arc = p.stance == Stance::Arc;
+        let gain = if on_arc { ARC_HEADING_GAIN } else { HEADING_GAIN };
+        let pace = match s.primitive {
+            Primitive::Rotate(_) => push_speed(s.heading_error.abs(), p.rotation_gain, p.speed_min, p.speed_max),
+            Primitive::Translate => push_speed(s.distance, p.translation_gain, p.speed_min, p.speed_max),
+        };
+        match s.role {
+            Role::Push => match (p.push_turns, on_arc) {
+                (false, _) => Command { linear: pace, angular: 0.0 },
+                (true, false) => Command { linear: pace, angular: turn_rate + gain * error },
+                (true, true) => self.along(s, wanted, pace, turn_rate),
+            },
+            Role::Prevent => {
+                let back = p.gap_gain * (s.deviation.gap - self.gap);
+                let linear = match p.prevent {
+                    Prevent::Literal => {
+                        prevent_speed(load_speed, s.load_twist.angular, lever, p.load_speed_max)
+                            + back.clamp(0.0, p.speed_min)
+                    }
+                    Prevent::Paced => -pace.min(p.load_speed_max) + back.clamp(-YIELD, p.speed_min),
+                };
+                if on_arc {
+                    self.along(s, wanted, linear, turn_rate)
+                } else {
+                    let feedback = if p.push_turns { gain * error } else { 0.0 };
+                    Command { linear, angular: turn_rate + feedback }
+                }
+            }
+            Role::Support => match p.support {
+                Support::Park => Command::STOP,
+                Support::Literal => Command {
+                    linear: support_speed(load_speed, s.load_twist.angular, lever),
+                    angular: turn_rate,
+                },
+                Support::Track => {
+                    // the slot's velocity along the robot's axis, plus a pull back to the slot
+                    let center = self.slot.center(self.radius, self.gap);
+                    let slot_velocity = s.load_twist.velocity_at(&center);
+                    let axis = unit(s.heading);
+                    let linear = (slot_velocity - 2.0 * s.offset).dot(&axis);
+                    self.along(s, wanted, linear, s.load_twist.angular)
+                }
+            },
+        }
+    }
+
+    /// Drives at `speed` along the slot's path whose direction is `wanted` (load frame), steering back onto it.
+    fn along(&self, s: &Situation, wanted: f64, speed: f64, turn_rate: f64) -> Command {
+        // deviation to the left of the path
+        let left = cross(&unit(wanted), &s.offset);
+        let sense = if speed < 0.0 { -1.0 } else { 1.0 };
+        let steer = if speed.abs() > 0.01 { -sense * (STEERING.0 * left).clamp(-STEERING.1, STEERING.1) } else { 0.0 };
+        let error = wrap_angle(wanted + steer - s.heading);
+        let ease = (1.0 - error.abs() / TURN_FIRST).clamp(0.0, 1.0);
+        Command { linear: speed * ease, angular: turn_rate + ARC_HEADING_GAIN * error }
+    }
+
+    fn limited(&self, command: Command) -> Command {
+        Command {
+            linear: command.linear.clamp(-self.limits.linear, self.limits.linear),
+            angular: command.angular.clamp(-self.limits.angular, self.limits.angular),
+        }
+    }
+}
+
+impl Controller for R2p2 {
+    type Memory = Memory;
+
+    fn step(&self, memory: &mut Memory, observation: &Observation) -> Result<Decision, ControlError> {
+        if !observation.is_finite() {
+            let time_s = observation.time.seconds();
+            return Err(ControlError::NotFinite { robot: observation.robot, time_s });
+        }
+        let p = &self.parameters;
+        let center = position(&observation.world_from_load);
+        let load_heading = yaw(&observation.world_from_load);
+        let load_from_robot = observation.world_from_load.inv_mul(&observation.world_from_robot);
+        let in_load = position(&load_from_robot);
+        let facing = self.slot.facing;
+        let deviation = Deviation {
+            tangential: self.slot.tangent().dot(&(in_load - self.slot.contact)),
+            gap: facing.dot(&(self.slot.contact - in_load)) - self.radius,
+            heading: wrap_angle(yaw(&load_from_robot) - facing.y.atan2(facing.x)),
+        };
+        let mut decision = Decision {
+            slot_tangential: deviation.tangential,
+            slot_gap: deviation.gap,
+            slot_heading: deviation.heading,
+            ..Decision::default()
+        };
+
+        // the next waypoint that the load has not passed
+        let mut target = None;
+        while let Some(point) = self.waypoints.get(usize::from(memory.waypoint)) {
+            if (point - center).norm() >= self.tolerance {
+                target = Some(*point);
+                break;
+            }
+            memory.waypoint += 1;
+        }
+        decision.waypoint = memory.waypoint;
+        let Some(target) = target else {
+            memory.phase = Phase::Done;
+            decision.phase = Phase::Done;
+            return Ok(decision);
+        };
+        let heading_error = self.heading_error(primitive::bearing(&center, &target), load_heading);
+        let distance = (target - center).norm();
+        let chosen = primitive::choose(heading_error, memory.primitive, p.heading_threshold, p.heading_release);
+        let changed = memory.primitive != Some(chosen);
+        memory.primitive = Some(chosen);
+
+        let direction = unit(wrap_angle(primitive::bearing(&center, &target) - load_heading));
+        let place = self.slot.center(self.radius, self.gap);
+        let role = role::assign(chosen, &place, &facing, &direction, self.half_length, &TOLERANCES);
+        let situation = Situation {
+            primitive: chosen,
+            role,
+            load_twist: observation.load_twist_in_world.rotated(-load_heading),
+            heading_error,
+            distance,
+            deviation,
+            heading: yaw(&load_from_robot),
+            offset: in_load - place,
+        };
+        decision.primitive = Some(chosen);
+        decision.role = Some(role);
+        decision.heading_error = heading_error;
+        decision.distance = distance;
+
+        // check of the own slot: at intervals and whenever the primitive changes
+        memory.since_check += 1;
+        let peers_hold = observation.stop_flags.any_but(self.place);
+        if !memory.phase.is_repositioning() {
+            let due = changed || memory.since_check >= p.check_interval || (peers_hold && memory.phase != Phase::Hold);
+            if due {
+                memory.since_check = 0;
+            }
+            if due && p.reposition && self.is_off(&situation) {
+                memory.phase = self.manoeuvre.first_phase(&deviation);
+                memory.began = observation.time;
+            } else {
+                memory.phase = if peers_hold { Phase::Hold } else { Phase::Work };
+            }
+        }
+        decision.command = match memory.phase {
+            Phase::Hold | Phase::Done => Command::STOP,
+            Phase::Work => self.work(&situation),
+            _ => {
+                let (mut phase, command) = self.manoeuvre.step(memory.phase, &deviation, self.gap);
+                if observation.time.since(memory.began) > self.manoeuvre.timeout {
+                    phase = Phase::Work;
+                }
+                memory.phase = phase;
+                if phase == Phase::Work { Command::STOP } else { command }
+            }
+        };
+        decision.command = self.limited(decision.command);
+        decision.phase = memory.phase;
+        decision.stop = memory.phase.is_repositioning();
+        Ok(decision)
+    }
+}

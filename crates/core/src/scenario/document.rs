@@ -414,6 +414,10 @@ pub struct R2p2 {
     pub wrap: Option<bool>,
     /// What a supporting robot does.
     pub support: Option<Support>,
+    /// How robots stand to the edge while they work.
+    pub stance: Option<Stance>,
+    /// At which speed preventing robots give way.
+    pub prevent: Option<Prevent>,
     /// Whether a pushing robot turns with the load; the paper has ω = 0 (eq. 3).
     pub push_turns: Option<bool>,
     /// Whether ω of eqs. 4 and 5 has the load's sense; the paper prints the opposite one.
@@ -455,6 +459,26 @@ pub enum Support {
     Park,
 }
 
+/// How robots stand to the edge while they work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Stance {
+    /// Along the path of their slot: tangential to its arc while the load turns.
+    Arc,
+    /// Square to the edge, as in the paper.
+    Square,
+}
+
+/// At which speed preventing robots give way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Prevent {
+    /// At the speed that the pushing robots aim at (eq. 3).
+    Paced,
+    /// At the speed that the load has (eq. 4).
+    Literal,
+}
+
 /// How poses are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -469,11 +493,13 @@ pub struct Sensors {
     pub latency: f64,
     /// Share of the poses that get lost, 0 to 1.
     pub dropout: f64,
+    /// Age of the last pose at which a robot stops, s.
+    pub timeout: f64,
 }
 
 impl Default for Sensors {
     fn default() -> Self {
-        Self { rate_hz: 40.0, position_sd: 0.0, yaw_sd_deg: 0.0, latency: 0.0, dropout: 0.0 }
+        Self { rate_hz: 40.0, position_sd: 0.0, yaw_sd_deg: 0.0, latency: 0.0, dropout: 0.0, timeout: 0.15 }
     }
 }
 

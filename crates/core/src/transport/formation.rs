@@ -126,6 +126,17 @@ impl std::fmt::Display for CagingGap {
     }
 }
 
+/// Two neighbours around the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CagingPair {
+    /// Slot, counted from 0.
+    pub first: usize,
+    /// Next slot counter-clockwise.
+    pub second: usize,
+    /// Clear distance below which the load cannot slip out between them, m.
+    pub limit: f64,
+}
+
 /// The slots of one team, in team order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formation {
@@ -208,45 +219,52 @@ impl Formation {
         (a - b).norm() - 2.0 * self.radius
     }
 
-    /// Every way out for the load; empty if the formation cages it ([R2P2] §IV and eq. 1e).
-    ///
-    /// Neighbours on one edge must be closer than that edge is long, neighbours on adjacent edges closer than the
-    /// shortest edge, and no edge may be without a robot.
+    /// Neighbours around the load and the clear distance below which nothing slips out between them ([R2P2] §IV, eq. 1e):
+    /// on one edge that edge's length, on adjacent edges the shortest edge. Neighbours with an open edge between them have
+    /// no such distance and are left out.
     ///
     /// [R2P2]: crate::_documentation::references
-    pub fn caging_gaps(&self, load: &ConvexPolygon) -> Vec<CagingGap> {
+    pub fn caging_pairs(&self, load: &ConvexPolygon) -> Vec<CagingPair> {
         let edges = load.vertices().len();
         let shortest = (0..edges).map(|i| load.edge(i).length()).fold(f64::INFINITY, f64::min);
-        let mut around: Vec<usize> = (0..self.slots.len()).collect();
         let along = |i: usize| {
             let slot = &self.slots[i];
             let edge = load.edge(slot.edge);
             (slot.edge, edge.tangent().dot(&(slot.contact - edge.start)))
         };
+        let mut around: Vec<usize> = (0..self.slots.len()).collect();
         around.sort_by(|a, b| {
             let (a, b) = (along(*a), along(*b));
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
-        let mut gaps: Vec<CagingGap> = (0..edges)
+        let count = around.len();
+        (0..count)
+            .filter_map(|i| {
+                let (first, second) = (around[i], around[(i + 1) % count]);
+                let (a, b) = (self.slots[first].edge, self.slots[second].edge);
+                let limit = if a == b && i + 1 < count {
+                    load.edge(a).length()
+                } else if (a + 1) % edges == b {
+                    shortest
+                } else {
+                    return None;
+                };
+                Some(CagingPair { first, second, limit })
+            })
+            .collect()
+    }
+
+    /// Every way out for the load; empty if the formation cages it: no edge is without a robot and no
+    /// [pair](Self::caging_pairs) stands too far apart.
+    pub fn caging_gaps(&self, load: &ConvexPolygon) -> Vec<CagingGap> {
+        let open = (0..load.vertices().len())
             .filter(|edge| !self.slots.iter().any(|slot| slot.edge == *edge))
-            .map(|edge| CagingGap::OpenEdge { edge })
-            .collect();
-        for i in 0..around.len() {
-            let (first, second) = (around[i], around[(i + 1) % around.len()]);
-            let (a, b) = (self.slots[first].edge, self.slots[second].edge);
-            let limit = if a == b && i + 1 < around.len() {
-                load.edge(a).length()
-            } else if (a + 1) % edges == b {
-                shortest
-            } else {
-                continue; // an open edge lies between them, reported above
-            };
+            .map(|edge| CagingGap::OpenEdge { edge });
+        let wide = self.caging_pairs(load).into_iter().filter_map(|CagingPair { first, second, limit }| {
             let distance = self.clear_distance(first, second);
-            if distance >= limit {
-                gaps.push(CagingGap::TooWide { first, second, distance, limit });
-            }
-        }
-        gaps
+            (distance >= limit).then_some(CagingGap::TooWide { first, second, distance, limit })
+        });
+        open.chain(wide).collect()
     }
 }
 
