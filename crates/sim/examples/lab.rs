@@ -22,7 +22,8 @@ fn scenario(terrain: &str, world: WorldKind, mass: f64, mu: f64, seed: u64, long
     }
 }
 
-fn main() {
+fn main() { main2(); }
+fn main2() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let get = |k: &str| args.iter().find_map(|a| a.strip_prefix(&format!("{k}=")).map(String::from));
     let n: u64 = get("n").map_or(20, |v| v.parse().unwrap());

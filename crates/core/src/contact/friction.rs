@@ -64,14 +64,28 @@ enum Surface {
     Ellipsoid { radius: f64 },
 }
 
-/// Support points as columns, with the dual vector of each.
+/// Lanes of a group of support points, so that the compiler can use vector instructions.
+const LANES: usize = 4;
+type Lanes = [f64; LANES];
+
+/// Four support points: place, share of the load, dual vector, and what the last evaluation left for the dual update.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    x: Lanes,
+    y: Lanes,
+    weight: Lanes,
+    dual_x: Lanes,
+    dual_y: Lanes,
+    /// Direction of the point's velocity and one over its smoothed speed.
+    normal_x: Lanes,
+    normal_y: Lanes,
+    inverse: Lanes,
+}
+
+/// All support points, padded with weightless ones.
 #[derive(Clone, Debug)]
 struct Points {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    weight: Vec<f64>,
-    dual_x: Vec<f64>,
-    dual_y: Vec<f64>,
+    groups: Vec<Group>,
     /// Σ w |r|², m².
     second_moment: f64,
     /// Greatest |r|, m.
@@ -79,30 +93,93 @@ struct Points {
     centred: bool,
 }
 
+/// Value, gradient and Hessian of C Σ w √(|v_i|² + ε²), the Hessian with the duals in the place of one direction.
+#[derive(Clone, Copy, Debug, Default)]
+struct Evaluation {
+    value: f64,
+    gradient: Vector3<f64>,
+    /// Upper triangle: uu, uv, vv, uω, vω, ωω.
+    hessian: [f64; 6],
+}
+
 impl Points {
     fn new(points: &[SupportPoint]) -> Self {
         let mean = points.iter().fold(nalgebra::Vector2::zeros(), |sum, p| sum + p.weight * p.position);
+        let groups = points
+            .chunks(LANES)
+            .map(|chunk| {
+                let mut group = Group::default();
+                for (lane, point) in chunk.iter().enumerate() {
+                    group.x[lane] = point.position.x;
+                    group.y[lane] = point.position.y;
+                    group.weight[lane] = point.weight;
+                }
+                group
+            })
+            .collect();
         Self {
-            x: points.iter().map(|p| p.position.x).collect(),
-            y: points.iter().map(|p| p.position.y).collect(),
-            weight: points.iter().map(|p| p.weight).collect(),
-            dual_x: vec![0.0; points.len()],
-            dual_y: vec![0.0; points.len()],
+            groups,
             second_moment: points.iter().map(|p| p.weight * p.position.norm_squared()).sum(),
             radius: points.iter().map(|p| p.position.norm()).fold(0.0, f64::max),
             centred: mean.norm() < 1e-9,
         }
     }
 
-    /// Σ w √(|v_i|² + ε²).
-    fn dissipation(&self, v: &Vector3<f64>, smoothing: f64) -> f64 {
+    /// Evaluates at `v` and remembers each point's direction for [`Points::update_duals`].
+    fn evaluate(&mut self, v: &Vector3<f64>, limit: f64, smoothing: f64) -> Evaluation {
         let square = smoothing * smoothing;
-        let mut sum = 0.0;
-        for ((x, y), weight) in self.x.iter().zip(&self.y).zip(&self.weight) {
-            let (a, b) = (v.x - v.z * y, v.y + v.z * x);
-            sum += weight * (a * a + b * b + square).sqrt();
+        let mut sums = [[0.0; LANES]; 10];
+        for group in &mut self.groups {
+            for lane in 0..LANES {
+                let (x, y, weight) = (group.x[lane], group.y[lane], group.weight[lane]);
+                let (a, b) = (v.x - v.z * y, v.y + v.z * x);
+                let speed = (a * a + b * b + square).sqrt();
+                let inverse = 1.0 / speed;
+                let (nx, ny) = (a * inverse, b * inverse);
+                group.normal_x[lane] = nx;
+                group.normal_y[lane] = ny;
+                group.inverse[lane] = inverse;
+                let k = weight * inverse;
+                let (px, py) = (group.dual_x[lane], group.dual_y[lane]);
+                let sxx = k * (1.0 - px * nx);
+                let sxy = -0.5 * k * (px * ny + py * nx);
+                let syy = k * (1.0 - py * ny);
+                let (mx, my) = (x * sxy - y * sxx, x * syy - y * sxy);
+                sums[0][lane] += weight * speed;
+                sums[1][lane] += weight * nx;
+                sums[2][lane] += weight * ny;
+                sums[3][lane] += weight * (x * ny - y * nx);
+                sums[4][lane] += sxx;
+                sums[5][lane] += sxy;
+                sums[6][lane] += syy;
+                sums[7][lane] += mx;
+                sums[8][lane] += my;
+                sums[9][lane] += x * my - y * mx;
+            }
         }
-        sum
+        let total = sums.map(|lanes| limit * lanes.iter().sum::<f64>());
+        Evaluation {
+            value: total[0],
+            gradient: Vector3::new(total[1], total[2], total[3]),
+            hessian: [total[4], total[5], total[6], total[7], total[8], total[9]],
+        }
+    }
+
+    /// Duals p ← n + (J dV − p (n · J dV)) / ρ, kept in the unit disc, for the Newton step `step` from the last evaluation.
+    fn update_duals(&mut self, step: &Vector3<f64>) {
+        for group in &mut self.groups {
+            for lane in 0..LANES {
+                let (x, y) = (group.x[lane], group.y[lane]);
+                let (nx, ny, inverse) = (group.normal_x[lane], group.normal_y[lane], group.inverse[lane]);
+                let (da, db) = (step.x - step.z * y, step.y + step.z * x);
+                let along = nx * da + ny * db;
+                let px = nx + (da - group.dual_x[lane] * along) * inverse;
+                let py = ny + (db - group.dual_y[lane] * along) * inverse;
+                let scale = 1.0 / (px * px + py * py).max(1.0).sqrt();
+                group.dual_x[lane] = px * scale;
+                group.dual_y[lane] = py * scale;
+            }
+        }
     }
 }
 
@@ -130,8 +207,9 @@ impl FrictionSolver {
     pub fn reset(&mut self) {
         self.last = Vector3::zeros();
         if let Surface::Points(points) = &mut self.surface {
-            points.dual_x.fill(0.0);
-            points.dual_y.fill(0.0);
+            for group in &mut points.groups {
+                (group.dual_x, group.dual_y) = ([0.0; LANES], [0.0; LANES]);
+            }
         }
     }
 
@@ -165,9 +243,11 @@ fn is_held(points: &Points, momentum: &Vector3<f64>, limit: f64) -> bool {
         return true;
     }
     let (a, b) = (momentum.x / limit, momentum.y / limit);
-    points.x.iter().zip(&points.y).all(|(x, y)| {
-        let (p, q) = (a - spin * y, b + spin * x);
-        p * p + q * q <= 1.0
+    points.groups.iter().all(|group| {
+        (0..LANES).all(|lane| {
+            let (p, q) = (a - spin * group.y[lane], b + spin * group.x[lane]);
+            group.weight[lane] == 0.0 || p * p + q * q <= 1.0
+        })
     })
 }
 
@@ -180,79 +260,38 @@ fn newton(points: &mut Points, inertia: Inertia, last: Vector3<f64>, free: Vecto
     let gyration = (moment / mass).sqrt();
     let rest = REST * limit / mass;
     let smoothing = SMOOTHING * rest;
-    let square = smoothing * smoothing;
-    let objective = |points: &Points, v: &Vector3<f64>| {
+    let kinetic = |v: &Vector3<f64>| {
         let d = v - free;
-        0.5 * (mass * (d.x * d.x + d.y * d.y) + moment * d.z * d.z) + limit * points.dissipation(v, smoothing)
+        0.5 * (mass * (d.x * d.x + d.y * d.y) + moment * d.z * d.z)
     };
-    // the best of three starts
-    let mut v = last;
-    let mut value = objective(points, &v);
-    for candidate in [Vector3::zeros(), free] {
-        let other = objective(points, &candidate);
-        if other < value {
-            (v, value) = (candidate, other);
-        }
-    }
+    // a body in motion goes on much as before; one that breaks away starts from its free velocity
+    let mut v = if last == Vector3::zeros() { free } else { last };
+    let mut at = points.evaluate(&v, limit, smoothing);
     for _ in 0..STEPS {
-        // gradient g and modified Hessian H of the smoothed objective
-        let d = v - free;
-        let mut g = Vector3::new(mass * d.x, mass * d.y, moment * d.z);
-        let (mut hxx, mut hxy, mut hyy, mut hxw, mut hyw, mut hww) = (mass, 0.0, mass, 0.0, 0.0, moment);
-        for i in 0..points.x.len() {
-            let (x, y) = (points.x[i], points.y[i]);
-            let (a, b) = (v.x - v.z * y, v.y + v.z * x);
-            let inverse = 1.0 / (a * a + b * b + square).sqrt();
-            let (nx, ny) = (a * inverse, b * inverse);
-            let c = limit * points.weight[i];
-            let k = c * inverse;
-            let (px, py) = (points.dual_x[i], points.dual_y[i]);
-            let sxx = k * (1.0 - px * nx);
-            let sxy = -0.5 * k * (px * ny + py * nx);
-            let syy = k * (1.0 - py * ny);
-            g.x += c * nx;
-            g.y += c * ny;
-            g.z += c * (x * ny - y * nx);
-            hxx += sxx;
-            hxy += sxy;
-            hyy += syy;
-            let (mx, my) = (x * sxy - y * sxx, x * syy - y * sxy);
-            hxw += mx;
-            hyw += my;
-            hww += x * my - y * mx;
-        }
-        let hessian = Matrix3::new(hxx, hxy, hxw, hxy, hyy, hyw, hxw, hyw, hww);
+        let value = kinetic(&v) + at.value;
+        let gradient = at.gradient + inertia.impulse(&(v - free));
+        let [uu, uv, vv, uw, vw, ww] = at.hessian;
+        let hessian = Matrix3::new(uu + mass, uv, uw, uv, vv + mass, vw, uw, vw, ww + moment);
         let Some(cholesky) = hessian.cholesky() else { break };
-        let step = -cholesky.solve(&g);
-        // duals p ← n + (J dV − p (n · J dV)) / ρ, kept in the unit disc
-        for i in 0..points.x.len() {
-            let (x, y) = (points.x[i], points.y[i]);
-            let (a, b) = (v.x - v.z * y, v.y + v.z * x);
-            let inverse = 1.0 / (a * a + b * b + square).sqrt();
-            let (nx, ny) = (a * inverse, b * inverse);
-            let (da, db) = (step.x - step.z * y, step.y + step.z * x);
-            let along = nx * da + ny * db;
-            let px = nx + (da - points.dual_x[i] * along) * inverse;
-            let py = ny + (db - points.dual_y[i] * along) * inverse;
-            let scale = 1.0 / (px * px + py * py).sqrt().max(1.0);
-            points.dual_x[i] = px * scale;
-            points.dual_y[i] = py * scale;
-        }
-        // Armijo backtracking
-        let slope = g.dot(&step);
-        let mut t = 1.0;
-        let mut next = v + step;
-        let mut next_value = objective(points, &next);
-        while next_value > value + 1e-4 * t * slope && t > 1e-6 {
-            t *= 0.5;
-            next = v + t * step;
-            next_value = objective(points, &next);
-        }
-        (v, value) = (next, next_value);
+        let step = -cholesky.solve(&gradient);
+        points.update_duals(&step);
         let moved = step.x.abs() + step.y.abs() + gyration * step.z.abs();
-        let size = v.x.abs() + v.y.abs() + gyration * v.z.abs();
-        if t == 1.0 && moved < 0.05 * smoothing + 1e-6 * size {
+        let next = v + step;
+        let size = next.x.abs() + next.y.abs() + gyration * next.z.abs();
+        if moved < 0.05 * smoothing + 1e-6 * size {
+            v = next;
             break;
+        }
+        // Armijo backtracking; a change within the rounding of the objective counts as none
+        let slope = gradient.dot(&step);
+        let rounding = 1e-13 * value.abs();
+        let mut t = 1.0;
+        v = next;
+        at = points.evaluate(&v, limit, smoothing);
+        while kinetic(&v) + at.value > value + 1e-4 * t * slope + rounding && t > 1e-6 {
+            t *= 0.5;
+            v = next - (1.0 - t) * step;
+            at = points.evaluate(&v, limit, smoothing);
         }
     }
     if v.x.hypot(v.y) + points.radius * v.z.abs() < rest { Vector3::zeros() } else { v }

@@ -122,6 +122,8 @@ const ARC_HEADING_GAIN: f64 = 3.0;
 const STEERING: (f64, f64) = (3.0, 0.35);
 /// Speed by which a preventing robot in contact gives way faster than the pace, m/s: more than commands are truncated by.
 const YIELD: f64 = 0.02;
+/// Deviation along the edge that a robot following its slot may have, relative to the others.
+const TRACKING_LAG: f64 = 2.5;
 /// Heading error at which a robot on its arc only turns, rad.
 const TURN_FIRST: f64 = 0.5;
 
@@ -172,6 +174,8 @@ pub struct R2p2 {
     place: usize,
     radius: f64,
     gap: f64,
+    /// Greatest distance of a slot from the load's centre, m.
+    outermost: f64,
     /// Half the load's extent across its heading, m.
     half_length: f64,
     waypoints: Vec<Vector2<f64>>,
@@ -258,6 +262,7 @@ impl R2p2 {
             place: task.place,
             radius: task.formation.radius(),
             gap: task.formation.gap(),
+            outermost: task.formation.outermost(),
             half_length: task.half_length,
             waypoints: task.waypoints,
             tolerance: task.tolerance,
@@ -307,11 +312,34 @@ impl R2p2 {
     fn is_off(&self, situation: &Situation) -> bool {
         let p = &self.parameters;
         let d = &situation.deviation;
-        let turns_by_itself =
-            p.stance == Stance::Arc || (situation.role == Role::Support && p.support == Support::Track);
-        d.tangential.abs() > p.reposition_tangential
+        let tracks = self.tracks(situation.role);
+        let tangential = if tracks { TRACKING_LAG * p.reposition_tangential } else { p.reposition_tangential };
+        let turns_by_itself = tracks || p.stance == Stance::Arc;
+        d.tangential.abs() > tangential
             || d.gap > p.reposition_gap
             || (!turns_by_itself && d.heading.abs() > p.reposition_heading)
+    }
+
+    /// Whether the role keeps the robot parallel to the edge, following its slot.
+    fn tracks(&self, role: Role) -> bool {
+        role == Role::Support && self.parameters.support == Support::Track
+    }
+
+    /// Speed that the pushing robots aim at (eq. 3), m/s.
+    fn pace(&self, s: &Situation) -> f64 {
+        let p = &self.parameters;
+        match s.primitive {
+            Primitive::Translate => push_speed(s.distance, p.translation_gain, p.speed_min, p.speed_max),
+            Primitive::Rotate(_) => {
+                // no faster than the outermost robot can follow
+                let follows = match p.stance {
+                    Stance::Arc => (self.lever() / self.outermost).min(1.0),
+                    Stance::Square => 1.0,
+                };
+                let speed_max = (p.speed_max * follows).max(p.speed_min);
+                push_speed(s.heading_error.abs(), p.rotation_gain, p.speed_min, speed_max)
+            }
+        }
     }
 
     /// Speeds by role (§IV-C).
@@ -324,10 +352,7 @@ impl R2p2 {
         let error = wrap_angle(wanted - s.heading);
         let on_arc = p.stance == Stance::Arc;
         let gain = if on_arc { ARC_HEADING_GAIN } else { HEADING_GAIN };
-        let pace = match s.primitive {
-            Primitive::Rotate(_) => push_speed(s.heading_error.abs(), p.rotation_gain, p.speed_min, p.speed_max),
-            Primitive::Translate => push_speed(s.distance, p.translation_gain, p.speed_min, p.speed_max),
-        };
+        let pace = self.pace(s);
         match s.role {
             Role::Push => match (p.push_turns, on_arc) {
                 (false, _) => Command { linear: pace, angular: 0.0 },
@@ -471,7 +496,8 @@ impl Controller for R2p2 {
             Phase::Hold | Phase::Done => Command::STOP,
             Phase::Work => self.work(&situation),
             _ => {
-                let (mut phase, command) = self.manoeuvre.step(memory.phase, &deviation, self.gap);
+                let parallel = self.tracks(role) && deviation.gap <= p.reposition_gap;
+                let (mut phase, command) = self.manoeuvre.step(memory.phase, &deviation, self.gap, parallel);
                 if observation.time.since(memory.began) > self.manoeuvre.timeout {
                     phase = Phase::Work;
                 }

@@ -207,6 +207,11 @@ impl Formation {
         self.radius
     }
 
+    /// Greatest distance of a robot's centre from the load's centre, m.
+    pub fn outermost(&self) -> f64 {
+        self.slots.iter().map(|slot| slot.center(self.radius, self.gap).norm()).fold(0.0, f64::max)
+    }
+
     /// Pose of the robot at `place` in its slot.
     pub fn load_from_robot(&self, place: usize) -> Pose2 {
         self.slots[place].load_from_robot(self.radius, self.gap)

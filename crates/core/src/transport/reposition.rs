@@ -60,8 +60,15 @@ impl Repositioning {
         if deviation.tangential.abs() > self.tangential { Phase::TurnParallel } else { Phase::TurnFacing }
     }
 
-    /// Phase and command of one tick. `wanted_gap` is the slot's gap, m; [`Phase::Work`] means the manoeuvre is over.
-    pub fn step(&self, mut phase: Phase, deviation: &Deviation, wanted_gap: f64) -> (Phase, Command) {
+    /// Phase and command of one tick. `wanted_gap` is the slot's gap, m; [`Phase::Work`] means the manoeuvre is over. A robot
+    /// that works parallel to the edge (`stays_parallel`) is done at the end of its drive along it.
+    pub fn step(
+        &self,
+        mut phase: Phase,
+        deviation: &Deviation,
+        wanted_gap: f64,
+        stays_parallel: bool,
+    ) -> (Phase, Command) {
         if phase == Phase::TurnParallel {
             let error = self.parallel_error(deviation);
             if error.abs() > self.parallel {
@@ -77,6 +84,9 @@ impl Repositioning {
                 let wanted = -GAIN * deviation.tangential;
                 let speed = wanted.signum() * wanted.abs().clamp(CREEP, self.speed);
                 return (phase, Command { linear: along_tangent * speed, angular: GAIN * error });
+            }
+            if stays_parallel {
+                return (Phase::Work, Command::STOP);
             }
             phase = Phase::TurnFacing;
         }
@@ -123,7 +133,7 @@ mod tests {
             let mut phase = manoeuvre.first_phase(&deviation);
             let mut ticks = 0;
             while phase != Phase::Work {
-                let (next, command) = manoeuvre.step(phase, &deviation, wanted_gap);
+                let (next, command) = manoeuvre.step(phase, &deviation, wanted_gap, false);
                 phase = next;
                 deviation.heading = wrap_angle(deviation.heading + command.angular * 0.05);
                 deviation.tangential -= command.linear * deviation.heading.sin() * 0.05;
