@@ -1,0 +1,294 @@
+//! Writes a log.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+
+use super::cdr::Encoder;
+use super::header::{self, Header, LoadTopic, RobotTopic};
+use super::marker::{self, Marker};
+use super::message::Message;
+use super::message::cohaul::{Decided, LoadState, Memory, Outcome, RobotState};
+use super::message::standard::{self, PoseStamped, TransformStamped, TwistStamped};
+use super::{RECORD_LIMIT, RecordError};
+use crate::control::{Command, Decision, Observation};
+use crate::id::{LoadId, RobotId};
+use crate::se2::{Pose2, Twist2};
+use crate::time::Time;
+
+/// Messages after which a chunk ends and the stream is flushed: what a killed process loses at most.
+pub const FLUSH_EVERY: u32 = 64;
+
+/// Frame of the world.
+pub(super) const MAP: &str = "map";
+
+/// Name of the attachment that holds the scenario text.
+const SCENARIO_FILE: &str = "scenario.yaml";
+
+/// Writes one log. The same calls give the same bytes.
+///
+/// The stream is flushed every [`FLUSH_EVERY`] messages and at [`LogWriter::flush`]; between them bytes arrive whole chunks
+/// at a time, so a buffer around a file gains nothing. A writer that is dropped still finishes the file, but tells nobody
+/// when that fails.
+pub struct LogWriter<W: Write> {
+    file: mcap::Writer<NoSeek<W>>,
+    header: Header,
+    robot_frames: Vec<String>,
+    load_frames: Vec<String>,
+    payload: Vec<u8>,
+    messages: u64,
+    unflushed: u32,
+}
+
+impl<W: Write> LogWriter<W> {
+    /// Starts a log: header, metadata, scenario text and channels are in `output` when it returns.
+    ///
+    /// # Errors
+    /// If names are unfit for ROS 2 topics or the stream fails.
+    pub fn new(output: W, header: &Header) -> Result<Self, RecordError> {
+        let topics = header.topics()?;
+        let mut file = container(output)?;
+        file.write_metadata(&header.to_metadata()?)?;
+        file.attach(&scenario_attachment(header))?;
+        for topic in &topics {
+            let schema = topic.schema;
+            let schema = file.add_schema(schema.name, SCHEMA_ENCODING, schema.concatenated().as_bytes())?;
+            file.add_channel(schema, &topic.name, MESSAGE_ENCODING, &channel_metadata(topic.latched))?;
+        }
+        file.flush()?;
+        Ok(Self {
+            file,
+            header: header.clone(),
+            robot_frames: header.robots.iter().map(|name| format!("{name}/base_footprint")).collect(),
+            load_frames: header.loads.iter().map(|name| format!("load_{name}")).collect(),
+            payload: Vec::with_capacity(4096),
+            messages: 0,
+            unflushed: 0,
+        })
+    }
+
+    /// What one robot saw and decided: its observation, its decision and the command as `cmd_vel`.
+    ///
+    /// # Errors
+    /// If the robot is unknown or the stream fails.
+    pub fn decision(&mut self, observation: &Observation, decision: &Decision) -> Result<(), RecordError> {
+        let (time, robot) = (observation.time, observation.robot);
+        self.message(self.header.robot_channel(robot, RobotTopic::Observation)?, time, observation)?;
+        let decided = Decided { time, robot, decision: *decision };
+        self.message(self.header.robot_channel(robot, RobotTopic::Decision)?, time, &decided)?;
+        self.write(self.header.robot_channel(robot, RobotTopic::CmdVel)?, time, |frames, out| {
+            let header = standard::Header { stamp: time.into(), frame_id: frames.robot(robot) };
+            let Command { linear, angular } = decision.command;
+            TwistStamped { header, linear: [linear, 0.0, 0.0], angular: [0.0, 0.0, angular] }.encode(out);
+        })
+    }
+
+    /// What a controller remembers, as [`crate::control::Step::memory`] gives it: at the start and at each reset.
+    ///
+    /// # Errors
+    /// If the robot is unknown or the stream fails.
+    pub fn memory(&mut self, time: Time, robot: RobotId, json: &str) -> Result<(), RecordError> {
+        let channel = self.header.robot_channel(robot, RobotTopic::Memory)?;
+        self.message(channel, time, &Memory { time, robot, json })
+    }
+
+    /// True state of a load; its twist is that of its centre in the world frame.
+    ///
+    /// # Errors
+    /// If the load is unknown or the stream fails.
+    pub fn load_state(
+        &mut self,
+        time: Time,
+        load: LoadId,
+        world_from_load: &Pose2,
+        twist_in_world: &Twist2,
+    ) -> Result<(), RecordError> {
+        let state = LoadState { time, load, world_from_load: *world_from_load, twist_in_world: *twist_in_world };
+        self.message(self.header.load_channel(load, LoadTopic::State)?, time, &state)?;
+        self.pose(self.header.load_channel(load, LoadTopic::Pose)?, time, world_from_load)
+    }
+
+    /// True state of a robot: pose, speeds and the force of its wheels along its heading, N.
+    ///
+    /// # Errors
+    /// If the robot is unknown or the stream fails.
+    pub fn robot_state(
+        &mut self,
+        time: Time,
+        robot: RobotId,
+        world_from_robot: &Pose2,
+        speeds: Command,
+        traction: f64,
+    ) -> Result<(), RecordError> {
+        let state = RobotState { time, robot, world_from_robot: *world_from_robot, speeds, traction };
+        self.message(self.header.robot_channel(robot, RobotTopic::State)?, time, &state)?;
+        self.pose(self.header.robot_channel(robot, RobotTopic::Pose)?, time, world_from_robot)
+    }
+
+    /// Poses of robots and loads at one instant, for tools that follow frames.
+    ///
+    /// # Errors
+    /// If a robot or load is unknown or the stream fails.
+    pub fn transforms(
+        &mut self,
+        time: Time,
+        robots: &[(RobotId, Pose2)],
+        loads: &[(LoadId, Pose2)],
+    ) -> Result<(), RecordError> {
+        for (robot, _) in robots {
+            self.header.robot_channel(*robot, RobotTopic::Pose)?;
+        }
+        for (load, _) in loads {
+            self.header.load_channel(*load, LoadTopic::Pose)?;
+        }
+        self.write(header::TF, time, |frames, out| {
+            let header = standard::Header { stamp: time.into(), frame_id: MAP };
+            out.sequence(robots.len() + loads.len());
+            for (robot, pose) in robots {
+                TransformStamped::new(header, frames.robot(*robot), pose).encode(out);
+            }
+            for (load, pose) in loads {
+                TransformStamped::new(header, frames.load(*load), pose).encode(out);
+            }
+        })
+    }
+
+    /// Shapes to draw.
+    ///
+    /// # Errors
+    /// If the stream fails.
+    pub fn markers(&mut self, time: Time, markers: &[Marker<'_>]) -> Result<(), RecordError> {
+        self.write(header::MARKERS, time, |_, out| marker::encode(time, markers, out))
+    }
+
+    /// How the episode ended, as JSON.
+    ///
+    /// # Errors
+    /// If the stream fails.
+    pub fn outcome(&mut self, time: Time, json: &str) -> Result<(), RecordError> {
+        self.message(header::OUTCOME, time, &Outcome { time, json })
+    }
+
+    /// Messages written so far.
+    pub fn messages(&self) -> u64 {
+        self.messages
+    }
+
+    /// Hands every message so far to the stream and flushes it: for a robot that logs slowly, on a timer.
+    ///
+    /// # Errors
+    /// If the stream fails.
+    pub fn flush(&mut self) -> Result<(), RecordError> {
+        self.unflushed = 0;
+        Ok(self.file.flush()?)
+    }
+
+    /// Writes indexes, summary and footer, and gives the stream back, flushed.
+    ///
+    /// # Errors
+    /// If the stream fails.
+    pub fn finish(mut self) -> Result<W, RecordError> {
+        self.file.finish()?;
+        let mut output = self.file.into_inner().into_inner();
+        output.flush()?;
+        Ok(output)
+    }
+
+    /// The stream as a killed process leaves it.
+    #[cfg(test)]
+    pub(super) fn into_unfinished(self) -> W {
+        self.file.into_inner().into_inner()
+    }
+
+    fn pose(&mut self, channel: u16, time: Time, pose: &Pose2) -> Result<(), RecordError> {
+        let header = standard::Header { stamp: time.into(), frame_id: MAP };
+        self.message(channel, time, &PoseStamped::new(header, pose))
+    }
+
+    fn message<'a>(&mut self, channel: u16, time: Time, message: &impl Message<'a>) -> Result<(), RecordError> {
+        self.write(channel, time, |_, out| message.encode(out))
+    }
+
+    fn write(
+        &mut self,
+        channel_id: u16,
+        time: Time,
+        encode: impl FnOnce(Frames<'_>, &mut Encoder<'_>),
+    ) -> Result<(), RecordError> {
+        self.payload.clear();
+        let frames = Frames { robots: &self.robot_frames, loads: &self.load_frames };
+        encode(frames, &mut Encoder::new(&mut self.payload));
+        let len = self.payload.len();
+        if len > RECORD_LIMIT / 4 {
+            return Err(RecordError::TooLong { what: "message".into(), len, limit: RECORD_LIMIT / 4 });
+        }
+        // MCAP has no instants before its origin
+        let log_time = u64::try_from(time.nanos()).unwrap_or(0);
+        // the place in the log, so that gaps tell what is missing
+        let sequence = self.messages as u32;
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
+        self.file.write_to_known_channel(&header, &self.payload)?;
+        self.messages += 1;
+        self.unflushed += 1;
+        if self.unflushed >= FLUSH_EVERY { self.flush() } else { Ok(()) }
+    }
+}
+
+/// Frame names, kept so that no message allocates its own.
+#[derive(Clone, Copy)]
+struct Frames<'a> {
+    robots: &'a [String],
+    loads: &'a [String],
+}
+
+impl<'a> Frames<'a> {
+    fn robot(&self, robot: RobotId) -> &'a str {
+        self.robots.get(robot.index()).map_or("", String::as_str)
+    }
+
+    fn load(&self, load: LoadId) -> &'a str {
+        self.loads.get(load.index()).map_or("", String::as_str)
+    }
+}
+
+pub(super) const SCHEMA_ENCODING: &str = "ros2msg";
+pub(super) const MESSAGE_ENCODING: &str = "cdr";
+
+/// An empty MCAP file of our options.
+pub(super) fn container<W: Write>(output: W) -> Result<mcap::Writer<NoSeek<W>>, RecordError> {
+    // Chunks are built in memory and written at once: no seeking, and a kill cuts between chunks.
+    let options = mcap::WriteOptions::new()
+        .profile("ros2")
+        .library(concat!("cohaul/", env!("CARGO_PKG_VERSION")))
+        .compression(Some(mcap::Compression::Lz4))
+        .chunk_size(Some(CHUNK_LIMIT))
+        .disable_seeking(true);
+    Ok(options.create(NoSeek::new(output))?)
+}
+
+/// Uncompressed size beyond which a chunk ends early, bytes.
+const CHUNK_LIMIT: u64 = 256 << 10;
+
+pub(super) fn scenario_attachment(header: &Header) -> mcap::Attachment<'_> {
+    mcap::Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: SCENARIO_FILE.into(),
+        media_type: "application/yaml".into(),
+        data: header.scenario_text.as_bytes().into(),
+    }
+}
+
+/// Quality of service a publisher of the topic offers, as rosbag2 keeps it: reliable, volatile or transient local.
+pub(super) fn channel_metadata(latched: bool) -> BTreeMap<String, String> {
+    let (depth, durability) = if latched { (1, 1) } else { (10, 2) };
+    let forever = "\n    sec: 9223372036\n    nsec: 854775807";
+    let profile = format!(
+        "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n  deadline:{forever}\n  \
+         lifespan:{forever}\n  liveliness: 1\n  liveliness_lease_duration:{forever}\n  \
+         avoid_ros_namespace_conventions: false"
+    );
+    BTreeMap::from([("offered_qos_profiles".to_owned(), profile)])
+}
