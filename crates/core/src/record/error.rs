@@ -49,15 +49,12 @@ pub enum RecordError {
     #[error("{what} of {len} bytes exceeds the limit of {limit} bytes")]
     TooLong {
         /// What it is.
-        what: String,
+        what: &'static str,
         /// Its length, bytes.
         len: usize,
         /// Longest allowed, bytes.
         limit: usize,
     },
-    /// The log could not be written.
-    #[error("log could not be written")]
-    Write(#[source] mcap::McapError),
     /// The stream failed.
     #[error("log could not be read or written")]
     Io(#[from] std::io::Error),
@@ -109,13 +106,4 @@ pub enum RecordError {
         /// Length of the input.
         bytes: u64,
     },
-}
-
-impl From<mcap::McapError> for RecordError {
-    fn from(error: mcap::McapError) -> Self {
-        match error {
-            mcap::McapError::Io(error) => Self::Io(error),
-            error => Self::Write(error),
-        }
-    }
 }

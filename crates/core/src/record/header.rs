@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::message::{Message, Schema, cohaul, standard};
-use super::{RECORD_LIMIT, RecordError};
+use super::RecordError;
 use crate::control::Observation;
 use crate::id::{LoadId, RobotId};
 
@@ -118,11 +118,7 @@ impl Header {
     }
 
     /// As a metadata record.
-    pub(super) fn to_metadata(&self) -> Result<mcap::records::Metadata, RecordError> {
-        let len = self.scenario_text.len();
-        if len > RECORD_LIMIT / 4 {
-            return Err(RecordError::TooLong { what: "scenario text".into(), len, limit: RECORD_LIMIT / 4 });
-        }
+    pub(super) fn to_metadata(&self) -> BTreeMap<String, String> {
         let mut metadata: BTreeMap<String, String> = [
             ("scenario_name", self.scenario_name.clone()),
             ("scenario_text", self.scenario_text.clone()),
@@ -136,7 +132,7 @@ impl Header {
         .map(|(key, value)| (key.to_owned(), value))
         .into();
         metadata.insert(DIGEST.into(), digest(&metadata));
-        Ok(mcap::records::Metadata { name: METADATA.into(), metadata })
+        metadata
     }
 
     /// From a metadata record.
@@ -158,7 +154,7 @@ impl Header {
             robots: take("robots")?.split_whitespace().map(str::to_owned).collect(),
             loads: take("loads")?.split_whitespace().map(str::to_owned).collect(),
         };
-        let calculated = header.to_metadata()?.metadata.remove(DIGEST);
+        let calculated = header.to_metadata().remove(DIGEST);
         if calculated.as_ref() == Some(&saved) {
             Ok(header)
         } else {

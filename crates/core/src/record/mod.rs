@@ -26,6 +26,7 @@
 
 pub mod cdr;
 mod chunk;
+mod container;
 mod error;
 mod header;
 pub mod marker;

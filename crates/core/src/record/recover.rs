@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::io::{Read, Write};
 
 use mcap::records::{MessageHeader, Metadata, Record as Raw, op};
-use mcap::write::NoSeek;
 
 use super::chunk::{self, PREFIX};
+use super::container::Container;
 use super::header::{Header, METADATA};
 use super::reader::{Channels, Position};
-use super::writer::{MESSAGE_ENCODING, SCHEMA_ENCODING, channel_metadata, container, scenario_attachment};
+use super::writer::{MESSAGE_ENCODING, write_front};
 use super::{FLUSH_EVERY, RECORD_LIMIT, RecordError};
 
 /// What [`recover`] saved.
@@ -96,7 +96,7 @@ pub fn recover(input: impl Read, output: impl Write) -> Result<Recovered, Record
 
 /// The log under construction.
 struct Copy<W: Write> {
-    file: mcap::Writer<NoSeek<W>>,
+    file: Container<W>,
     definitions: Channels,
     position: Position,
     /// Name, encoding and text of the input's schemas.
@@ -111,7 +111,7 @@ struct Copy<W: Write> {
 impl<W: Write> Copy<W> {
     fn new(output: W) -> Result<Self, RecordError> {
         Ok(Self {
-            file: container(output)?,
+            file: Container::new(output)?,
             definitions: Channels::default(),
             position: Position { byte: 0, next: 0, messages: 0 },
             schemas: BTreeMap::new(),
@@ -139,11 +139,11 @@ impl<W: Write> Copy<W> {
             }
             Some(Raw::Channel(channel)) => {
                 let schema = match self.schemas.get(&channel.schema_id) {
-                    Some((name, encoding, text)) => self.file.add_schema(name, encoding, text)?,
+                    Some((name, encoding, text)) => self.file.schema(name, encoding, text)?,
                     None => 0,
                 };
                 self.note(opcode, body);
-                let id = self.file.add_channel(schema, &channel.topic, &channel.message_encoding, &channel.metadata)?;
+                let id = self.file.channel(schema, &channel.topic, &channel.message_encoding, &channel.metadata)?;
                 self.channels.insert(channel.id, id);
                 Ok(())
             }
@@ -160,7 +160,7 @@ impl<W: Write> Copy<W> {
 
     fn metadata(&mut self, metadata: Metadata) -> Result<(), RecordError> {
         if metadata.name != METADATA {
-            return Ok(self.file.write_metadata(&metadata)?);
+            return self.file.metadata(&metadata.name, &metadata.metadata);
         }
         let header = match Header::from_metadata(metadata.metadata) {
             Ok(header) => header,
@@ -172,14 +172,11 @@ impl<W: Write> Copy<W> {
         if self.report.header.is_some() {
             return Ok(());
         }
-        self.file.write_metadata(&header.to_metadata()?)?;
-        self.file.attach(&scenario_attachment(&header))?;
-        // in case the chunk with the definitions is lost
-        for (id, topic) in (1..).zip(header.topics()?) {
-            let text = topic.schema.concatenated();
-            let schema = self.file.add_schema(topic.schema.name, SCHEMA_ENCODING, text.as_bytes())?;
-            let qos = channel_metadata(topic.latched);
-            self.channels.insert(id, self.file.add_channel(schema, &topic.name, MESSAGE_ENCODING, &qos)?);
+        // the definitions too, in case the chunk with them is lost
+        let topics = header.topics()?;
+        let channels = write_front(&mut self.file, &header, &topics)?;
+        for ((id, topic), channel) in (1..).zip(topics).zip(channels) {
+            self.channels.insert(id, channel);
             self.definitions.declare(id, topic.name.into(), topic.schema.name, MESSAGE_ENCODING);
         }
         self.report.header = Some(header);
@@ -201,7 +198,7 @@ impl<W: Write> Copy<W> {
                 self.next_sequence = header.sequence.wrapping_add(1);
             }
         }
-        self.file.write_to_known_channel(&MessageHeader { channel_id, ..header }, payload)?;
+        self.file.message(&MessageHeader { channel_id, ..header }, |out| out.extend_from_slice(payload))?;
         self.report.messages += 1;
         self.unflushed += 1;
         if self.unflushed >= FLUSH_EVERY {
@@ -211,13 +208,13 @@ impl<W: Write> Copy<W> {
         Ok(())
     }
 
-    fn finish(mut self, bytes: u64) -> Result<Recovered, RecordError> {
+    fn finish(self, bytes: u64) -> Result<Recovered, RecordError> {
         if self.report.messages == 0 && self.report.header.is_none() {
             return Err(RecordError::NothingLeft { bytes });
         }
-        self.file.finish()?;
-        self.file.into_inner().into_inner().flush()?;
-        Ok(self.report)
+        let Self { file, report, .. } = self;
+        file.finish()?;
+        Ok(report)
     }
 }
 

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::io::Write;
 
 use mcap::records::MessageHeader;
-use mcap::write::NoSeek;
 
+use super::RecordError;
 use super::cdr::Encoder;
-use super::header::{self, Header, LoadTopic, RobotTopic};
+use super::container::Container;
+use super::header::{self, Header, LoadTopic, RobotTopic, Topic};
 use super::marker::{self, Marker};
 use super::message::Message;
 use super::message::cohaul::{Decided, LoadState, Memory, Outcome, RobotState};
 use super::message::standard::{self, PoseStamped, TransformStamped, TwistStamped};
-use super::{RECORD_LIMIT, RecordError};
 use crate::control::{Command, Decision, Observation};
 use crate::id::{LoadId, RobotId};
 use crate::se2::{Pose2, Twist2};
@@ -29,15 +29,14 @@ const SCENARIO_FILE: &str = "scenario.yaml";
 
 /// Writes one log. The same calls give the same bytes.
 ///
-/// The stream is flushed every [`FLUSH_EVERY`] messages and at [`LogWriter::flush`]; between them bytes arrive whole chunks
-/// at a time, so a buffer around a file gains nothing. A writer that is dropped still finishes the file, but tells nobody
+/// The stream is flushed every [`FLUSH_EVERY`] messages and at [`LogWriter::flush`]. Bytes arrive whole chunks at a time, so
+/// a buffer around a file gains nothing. A writer that is dropped still finishes the file, but tells nobody
 /// when that fails.
 pub struct LogWriter<W: Write> {
-    file: mcap::Writer<NoSeek<W>>,
+    file: Container<W>,
     header: Header,
     robot_frames: Vec<String>,
     load_frames: Vec<String>,
-    payload: Vec<u8>,
     messages: u64,
     unflushed: u32,
 }
@@ -49,21 +48,14 @@ impl<W: Write> LogWriter<W> {
     /// If names are unfit for ROS 2 topics or the stream fails.
     pub fn new(output: W, header: &Header) -> Result<Self, RecordError> {
         let topics = header.topics()?;
-        let mut file = container(output)?;
-        file.write_metadata(&header.to_metadata()?)?;
-        file.attach(&scenario_attachment(header))?;
-        for topic in &topics {
-            let schema = topic.schema;
-            let schema = file.add_schema(schema.name, SCHEMA_ENCODING, schema.concatenated().as_bytes())?;
-            file.add_channel(schema, &topic.name, MESSAGE_ENCODING, &channel_metadata(topic.latched))?;
-        }
+        let mut file = Container::new(output)?;
+        write_front(&mut file, header, &topics)?;
         file.flush()?;
         Ok(Self {
             file,
             header: header.clone(),
             robot_frames: header.robots.iter().map(|name| format!("{name}/base_footprint")).collect(),
             load_frames: header.loads.iter().map(|name| format!("load_{name}")).collect(),
-            payload: Vec::with_capacity(4096),
             messages: 0,
             unflushed: 0,
         })
@@ -182,24 +174,21 @@ impl<W: Write> LogWriter<W> {
     /// If the stream fails.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         self.unflushed = 0;
-        Ok(self.file.flush()?)
+        self.file.flush()
     }
 
     /// Writes indexes, summary and footer, and gives the stream back, flushed.
     ///
     /// # Errors
     /// If the stream fails.
-    pub fn finish(mut self) -> Result<W, RecordError> {
-        self.file.finish()?;
-        let mut output = self.file.into_inner().into_inner();
-        output.flush()?;
-        Ok(output)
+    pub fn finish(self) -> Result<W, RecordError> {
+        self.file.finish()
     }
 
     /// The stream as a killed process leaves it.
     #[cfg(test)]
     pub(super) fn into_unfinished(self) -> W {
-        self.file.into_inner().into_inner()
+        self.file.into_unfinished().unwrap()
     }
 
     fn pose(&mut self, channel: u16, time: Time, pose: &Pose2) -> Result<(), RecordError> {
@@ -217,19 +206,13 @@ impl<W: Write> LogWriter<W> {
         time: Time,
         encode: impl FnOnce(Frames<'_>, &mut Encoder<'_>),
     ) -> Result<(), RecordError> {
-        self.payload.clear();
-        let frames = Frames { robots: &self.robot_frames, loads: &self.load_frames };
-        encode(frames, &mut Encoder::new(&mut self.payload));
-        let len = self.payload.len();
-        if len > RECORD_LIMIT / 4 {
-            return Err(RecordError::TooLong { what: "message".into(), len, limit: RECORD_LIMIT / 4 });
-        }
         // MCAP has no instants before its origin
         let log_time = u64::try_from(time.nanos()).unwrap_or(0);
         // the place in the log, so that gaps tell what is missing
         let sequence = self.messages as u32;
         let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
-        self.file.write_to_known_channel(&header, &self.payload)?;
+        let frames = Frames { robots: &self.robot_frames, loads: &self.load_frames };
+        self.file.message(&header, |out| encode(frames, &mut Encoder::new(out)))?;
         self.messages += 1;
         self.unflushed += 1;
         if self.unflushed >= FLUSH_EVERY { self.flush() } else { Ok(()) }
@@ -253,36 +236,28 @@ impl<'a> Frames<'a> {
     }
 }
 
-pub(super) const SCHEMA_ENCODING: &str = "ros2msg";
+const SCHEMA_ENCODING: &str = "ros2msg";
 pub(super) const MESSAGE_ENCODING: &str = "cdr";
 
-/// An empty MCAP file of our options.
-pub(super) fn container<W: Write>(output: W) -> Result<mcap::Writer<NoSeek<W>>, RecordError> {
-    // Chunks are built in memory and written at once: no seeking, and a kill cuts between chunks.
-    let options = mcap::WriteOptions::new()
-        .profile("ros2")
-        .library(concat!("cohaul/", env!("CARGO_PKG_VERSION")))
-        .compression(Some(mcap::Compression::Lz4))
-        .chunk_size(Some(CHUNK_LIMIT))
-        .disable_seeking(true);
-    Ok(options.create(NoSeek::new(output))?)
-}
-
-/// Uncompressed size beyond which a chunk ends early, bytes.
-const CHUNK_LIMIT: u64 = 256 << 10;
-
-pub(super) fn scenario_attachment(header: &Header) -> mcap::Attachment<'_> {
-    mcap::Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: SCENARIO_FILE.into(),
-        media_type: "application/yaml".into(),
-        data: header.scenario_text.as_bytes().into(),
+/// Writes everything in front of the messages; gives the channels of `topics`.
+pub(super) fn write_front<W: Write>(
+    file: &mut Container<W>,
+    header: &Header,
+    topics: &[Topic],
+) -> Result<Vec<u16>, RecordError> {
+    file.metadata(header::METADATA, &header.to_metadata())?;
+    file.attachment(SCENARIO_FILE, "application/yaml", header.scenario_text.as_bytes())?;
+    let mut channels = Vec::with_capacity(topics.len());
+    for topic in topics {
+        let text = topic.schema.concatenated();
+        let schema = file.schema(topic.schema.name, SCHEMA_ENCODING, text.as_bytes())?;
+        channels.push(file.channel(schema, &topic.name, MESSAGE_ENCODING, &channel_metadata(topic.latched))?);
     }
+    Ok(channels)
 }
 
 /// Quality of service a publisher of the topic offers, as rosbag2 keeps it: reliable, volatile or transient local.
-pub(super) fn channel_metadata(latched: bool) -> BTreeMap<String, String> {
+fn channel_metadata(latched: bool) -> BTreeMap<String, String> {
     let (depth, durability) = if latched { (1, 1) } else { (10, 2) };
     let forever = "\n    sec: 9223372036\n    nsec: 854775807";
     let profile = format!(
