@@ -84,8 +84,7 @@ impl<'a> Encoder<'a> {
 
     fn align(&mut self, size: usize) {
         let used = self.out.len() - self.start;
-        let padding = used.next_multiple_of(size) - used;
-        self.out.extend_from_slice(&[0; 8][..padding]);
+        self.out.resize(self.start + used.next_multiple_of(size), 0);
     }
 
     put! {

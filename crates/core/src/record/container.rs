@@ -18,8 +18,11 @@ use mcap::records::{MessageHeader, op};
 
 use super::RecordError;
 
-/// Magic number, version 1 with independent blocks and no checksums of its own, blocks up to 4 MiB, header checksum.
-const FRAME_START: [u8; 7] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x70, 0x73];
+/// Magic number, version 1 with independent blocks and no checksums of its own, blocks up to 64 KiB, header checksum.
+const SMALL_FRAME: [u8; 7] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x40, 0x82];
+/// The same with blocks up to 4 MiB: readers reserve that much.
+const LARGE_FRAME: [u8; 7] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x70, 0x73];
+const SMALL_BLOCK: usize = 64 << 10;
 const FRAME_END: [u8; 4] = [0; 4];
 /// Set in the length of a block that is not compressed.
 const STORED: u32 = 1 << 31;
@@ -321,9 +324,10 @@ impl Chunk {
     /// One frame of one block.
     fn compress(&mut self) -> Result<(), RecordError> {
         let bound = lz4::block::compress_bound(self.records.len())?;
-        let start = FRAME_START.len() + size_of::<u32>();
+        let frame = if self.records.len() <= SMALL_BLOCK { SMALL_FRAME } else { LARGE_FRAME };
+        let start = frame.len() + size_of::<u32>();
         self.compressed.clear();
-        self.compressed.extend_from_slice(&FRAME_START);
+        self.compressed.extend_from_slice(&frame);
         self.compressed.resize(start + bound, 0);
         let block = self.compressed.get_mut(start..).unwrap_or_default();
         let packed = lz4::block::compress_to_buffer(&self.records, Some(CompressionMode::DEFAULT), false, block)?;
@@ -335,7 +339,7 @@ impl Chunk {
             self.compressed.extend_from_slice(&self.records);
             self.records.len() as u32 | STORED
         };
-        if let Some(place) = self.compressed.get_mut(FRAME_START.len()..start) {
+        if let Some(place) = self.compressed.get_mut(frame.len()..start) {
             place.copy_from_slice(&len.to_le_bytes());
         }
         self.compressed.extend_from_slice(&FRAME_END);

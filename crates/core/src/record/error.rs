@@ -73,7 +73,9 @@ pub enum RecordError {
         messages: u64,
     },
     /// The bytes are not what they were when written.
-    #[error("log is damaged at byte {byte}, after {messages} messages: {what}; `cohaul recover` makes a valid file of the rest")]
+    #[error(
+        "log is damaged at byte {byte}, after {messages} messages: {what}; `cohaul recover` makes a valid file of the rest"
+    )]
     Damaged {
         /// Where the damaged record starts.
         byte: u64,
@@ -83,7 +85,9 @@ pub enum RecordError {
         what: String,
     },
     /// A message does not match its type.
-    #[error("message {message} of the log, on {topic}, in the chunk at byte {byte}, is not valid; `cohaul recover` leaves it out")]
+    #[error(
+        "message {message} of the log, on {topic}, in the chunk at byte {byte}, is not valid; `cohaul recover` leaves it out"
+    )]
     Message {
         /// Its place among the messages of the log, counted from 0.
         message: u64,

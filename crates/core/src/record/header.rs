@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::message::{Message, Schema, cohaul, standard};
 use super::RecordError;
+use super::message::{Message, Schema, cohaul, standard};
 use crate::control::Observation;
 use crate::id::{LoadId, RobotId};
 
@@ -137,9 +137,8 @@ impl Header {
 
     /// From a metadata record.
     pub(super) fn from_metadata(mut metadata: BTreeMap<String, String>) -> Result<Self, RecordError> {
-        let mut take = |key: &str| {
-            metadata.remove(key).ok_or_else(|| RecordError::Metadata { problem: format!("lacks {key}") })
-        };
+        let mut take =
+            |key: &str| metadata.remove(key).ok_or_else(|| RecordError::Metadata { problem: format!("lacks {key}") });
         let saved = take(DIGEST)?;
         let header = Self {
             scenario_name: take("scenario_name")?,

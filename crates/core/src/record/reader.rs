@@ -118,7 +118,6 @@ impl<R: Read> LogReader<R> {
     fn read(&mut self) -> Result<Option<Record>, RecordError> {
         loop {
             while let Some((opcode, body)) = self.next_in_chunk()? {
-                let body = body.start..body.end;
                 let body = self.records.get(body).unwrap_or_default();
                 if let Some(record) = self.channels.record(opcode, body, &mut self.position)? {
                     return Ok(Some(record));
@@ -297,8 +296,9 @@ impl Channels {
             }),
             Kind::LoadState => LoadState::from_cdr(payload).map(Record::LoadState),
             Kind::RobotState => RobotState::from_cdr(payload).map(Record::RobotState),
-            Kind::Outcome => Outcome::from_cdr(payload)
-                .map(|Outcome { time, json }| Record::Outcome { time, json: json.to_owned() }),
+            Kind::Outcome => {
+                Outcome::from_cdr(payload).map(|Outcome { time, json }| Record::Outcome { time, json: json.to_owned() })
+            }
             Kind::Other => Ok(Record::Other { topic: topic.clone(), len: payload.len() }),
         };
         let record = decoded.map_err(|source| RecordError::Message {

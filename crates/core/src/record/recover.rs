@@ -13,7 +13,7 @@ use super::container::Container;
 use super::header::{Header, METADATA};
 use super::reader::{Channels, Position};
 use super::writer::{MESSAGE_ENCODING, write_front};
-use super::{FLUSH_EVERY, RECORD_LIMIT, RecordError};
+use super::{RECORD_LIMIT, RecordError};
 
 /// What [`recover`] saved.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,8 +22,8 @@ pub struct Recovered {
     pub header: Option<Header>,
     /// Messages saved.
     pub messages: u64,
-    /// Messages known to be missing between those saved. What an unfinished file lost at its end nobody knows: at most
-    /// [`FLUSH_EVERY`] messages.
+    /// Messages known to be missing between those saved. What an unfinished file lost at its end nobody knows: fewer than
+    /// [`FLUSH_EVERY`](super::FLUSH_EVERY).
     pub missing: u64,
     /// Bytes passed over in search of the next chunk.
     pub skipped_bytes: u64,
@@ -74,8 +74,10 @@ pub fn recover(input: impl Read, output: impl Write) -> Result<Recovered, Record
                     let len = PREFIX + body.len();
                     let mut rest = records.as_slice();
                     while let Some((opcode, body)) = chunk::split(&mut rest) {
-                        copy.record(opcode, body)?;
+                        copy.keep(opcode, body)?;
                     }
+                    // chunk by chunk: a whole log comes out as it was, byte for byte
+                    copy.file.flush()?;
                     window.consume(len);
                     continue;
                 }
@@ -83,7 +85,7 @@ pub fn recover(input: impl Read, output: impl Write) -> Result<Recovered, Record
             },
             Framed::Record(opcode, body) => {
                 let len = PREFIX + body.len();
-                copy.record(opcode, body)?;
+                copy.keep(opcode, body)?;
                 window.consume(len);
                 continue;
             }
@@ -104,7 +106,6 @@ struct Copy<W: Write> {
     /// Channel of the output by channel of the input.
     channels: BTreeMap<u16, u16>,
     next_sequence: u32,
-    unflushed: u32,
     report: Recovered,
 }
 
@@ -117,13 +118,24 @@ impl<W: Write> Copy<W> {
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             next_sequence: 0,
-            unflushed: 0,
             report: Recovered::default(),
         })
     }
 
     fn lost(&mut self, byte: u64, what: &str) {
         self.report.lost_reason.get_or_insert_with(|| format!("at byte {byte}: {what}"));
+    }
+
+    /// Copies a record; one that cannot be copied is lost, unless it is the stream that fails.
+    fn keep(&mut self, opcode: u8, body: &[u8]) -> Result<(), RecordError> {
+        match self.record(opcode, body) {
+            Ok(()) => Ok(()),
+            Err(RecordError::Io(error)) => Err(error.into()),
+            Err(error) => {
+                self.lost(self.position.byte, &error.to_string());
+                Ok(())
+            }
+        }
     }
 
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), RecordError> {
@@ -133,7 +145,7 @@ impl<W: Write> Copy<W> {
         match chunk::parse(opcode, body) {
             Some(Raw::Metadata(metadata)) => self.metadata(metadata),
             Some(Raw::Schema { header, data }) => {
-                self.note(opcode, body);
+                self.definitions.record(opcode, body, &mut self.position)?;
                 self.schemas.insert(header.id, (header.name, header.encoding, data.into_owned()));
                 Ok(())
             }
@@ -142,7 +154,7 @@ impl<W: Write> Copy<W> {
                     Some((name, encoding, text)) => self.file.schema(name, encoding, text)?,
                     None => 0,
                 };
-                self.note(opcode, body);
+                self.definitions.record(opcode, body, &mut self.position)?;
                 let id = self.file.channel(schema, &channel.topic, &channel.message_encoding, &channel.metadata)?;
                 self.channels.insert(channel.id, id);
                 Ok(())
@@ -151,24 +163,11 @@ impl<W: Write> Copy<W> {
         }
     }
 
-    /// Lets the reader's own definitions follow.
-    fn note(&mut self, opcode: u8, body: &[u8]) {
-        if let Err(error) = self.definitions.record(opcode, body, &mut self.position) {
-            self.lost(self.position.byte, &error.to_string());
-        }
-    }
-
     fn metadata(&mut self, metadata: Metadata) -> Result<(), RecordError> {
         if metadata.name != METADATA {
             return self.file.metadata(&metadata.name, &metadata.metadata);
         }
-        let header = match Header::from_metadata(metadata.metadata) {
-            Ok(header) => header,
-            Err(error) => {
-                self.lost(self.position.byte, &error.to_string());
-                return Ok(());
-            }
-        };
+        let header = Header::from_metadata(metadata.metadata)?;
         if self.report.header.is_some() {
             return Ok(());
         }
@@ -184,10 +183,8 @@ impl<W: Write> Copy<W> {
     }
 
     fn message(&mut self, body: &[u8]) -> Result<(), RecordError> {
-        if let Err(error) = self.definitions.record(op::MESSAGE, body, &mut self.position) {
-            self.lost(self.position.byte, &error.to_string());
-            return Ok(());
-        }
+        // only what the reader will understand
+        self.definitions.record(op::MESSAGE, body, &mut self.position)?;
         let Some((header, payload)) = chunk::message(body) else { return Ok(()) };
         let Some(channel_id) = self.channels.get(&header.channel_id).copied() else { return Ok(()) };
         if self.report.header.is_some() {
@@ -200,11 +197,6 @@ impl<W: Write> Copy<W> {
         }
         self.file.message(&MessageHeader { channel_id, ..header }, |out| out.extend_from_slice(payload))?;
         self.report.messages += 1;
-        self.unflushed += 1;
-        if self.unflushed >= FLUSH_EVERY {
-            self.unflushed = 0;
-            self.file.flush()?;
-        }
         Ok(())
     }
 

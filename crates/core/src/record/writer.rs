@@ -32,6 +32,19 @@ const SCENARIO_FILE: &str = "scenario.yaml";
 /// The stream is flushed every [`FLUSH_EVERY`] messages and at [`LogWriter::flush`]. Bytes arrive whole chunks at a time, so
 /// a buffer around a file gains nothing. A writer that is dropped still finishes the file, but tells nobody
 /// when that fails.
+///
+/// ```
+/// # use cohaul_core::{id::RobotId, record::{Header, LogReader, LogWriter, Record}, time::Time};
+/// let header = Header { robots: vec!["r0".into()], ..Header::default() };
+/// let mut writer = LogWriter::new(Vec::new(), &header)?;
+/// writer.memory(Time::ZERO, RobotId(0), "{}")?;
+/// let log = writer.finish()?;
+///
+/// let records: Vec<Record> = LogReader::new(log.as_slice()).collect::<Result<_, _>>()?;
+/// assert_eq!(records[0], Record::Metadata(header));
+/// assert!(matches!(&records[1], Record::Memory { robot: RobotId(0), json, .. } if json == "{}"));
+/// # Ok::<(), cohaul_core::record::RecordError>(())
+/// ```
 pub struct LogWriter<W: Write> {
     file: Container<W>,
     header: Header,

@@ -202,11 +202,8 @@ impl Message<'_> for Decided {
 }
 
 impl<'a> Message<'a> for Memory<'a> {
-    const SCHEMA: Schema = Schema {
-        name: "cohaul_msgs/msg/Memory",
-        text: include_str!("../../../msg/msg/Memory.msg"),
-        dependencies: &[],
-    };
+    const SCHEMA: Schema =
+        Schema { name: "cohaul_msgs/msg/Memory", text: include_str!("../../../msg/msg/Memory.msg"), dependencies: &[] };
 
     fn encode(&self, out: &mut Encoder<'_>) {
         out.i64(self.time.nanos());

@@ -11,8 +11,7 @@ const HEADER: Definition =
     Definition { name: "std_msgs/Header", text: "builtin_interfaces/Time stamp\nstring frame_id\n" };
 const COLOR: Definition =
     Definition { name: "std_msgs/ColorRGBA", text: "float32 r\nfloat32 g\nfloat32 b\nfloat32 a\n" };
-const VECTOR3: Definition =
-    Definition { name: "geometry_msgs/Vector3", text: "float64 x\nfloat64 y\nfloat64 z\n" };
+const VECTOR3: Definition = Definition { name: "geometry_msgs/Vector3", text: "float64 x\nfloat64 y\nfloat64 z\n" };
 const POINT: Definition = Definition { name: "geometry_msgs/Point", text: VECTOR3.text };
 const QUATERNION: Definition =
     Definition { name: "geometry_msgs/Quaternion", text: "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" };
@@ -20,10 +19,8 @@ const POSE: Definition = Definition {
     name: "geometry_msgs/Pose",
     text: "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
 };
-const TWIST: Definition = Definition {
-    name: "geometry_msgs/Twist",
-    text: "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n",
-};
+const TWIST: Definition =
+    Definition { name: "geometry_msgs/Twist", text: "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n" };
 const TRANSFORM: Definition = Definition {
     name: "geometry_msgs/Transform",
     text: "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n",
