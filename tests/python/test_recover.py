@@ -54,3 +54,6 @@ def test_a_killed_writer_loses_at_most_100_messages(tmp_path: Path, seed: int) -
     assert written - recovered <= LOSS_LIMIT
     assert count_messages(saved) == recovered
     print(f"written {written}, recovered {recovered}")
+    # pytest keeps the folders of its last runs
+    log.unlink()
+    saved.unlink()
