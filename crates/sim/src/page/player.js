@@ -71,7 +71,7 @@ const stepSpeed = (by) => setSpeed(SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0
 
 /// One field of the readout; made once, written at every instant.
 const readouts = teams.map((team) => {
-  const row = element("div", null, { className: teams.length > 1 ? "team" : "team single" });
+  const row = element("div", null, { className: "team" });
   const field = (name) => {
     const box = element("div", null);
     const value = element("strong", "");
@@ -80,7 +80,7 @@ const readouts = teams.map((team) => {
     return value;
   };
   if (teams.length > 1) field("Team").textContent = team.id;
-  const fields = { primitive: field("Motion"), waypoint: field("Waypoint"), heading: field("Heading error"), distance: field("Distance") };
+  const fields = { primitive: field("Motion"), phase: field("Phase"), waypoint: field("Waypoint"), heading: field("Heading error"), distance: field("Distance") };
   byId("now").append(row);
   return fields;
 });
@@ -90,8 +90,12 @@ function showNow() {
   readouts.forEach((fields, i) => {
     const team = shown.teams[i];
     const last = teams[i].waypoints.length - 1;
-    const busy = teams[i].robots.filter((k) => shown.robots[k]?.activity === 3).length;
-    fields.primitive.textContent = busy ? `${busy} repositioning` : PRIMITIVES[team.primitive];
+    const members = teams[i].robots.filter((k) => shown.robots[k]);
+    const busy = members.filter((k) => replay.repositioning[replay.phases.indexOf(shown.robots[k].phase)]);
+    fields.primitive.textContent = PRIMITIVES[team.primitive];
+    fields.phase.textContent = busy.length
+      ? `${busy.map((k) => k + 1).join(", ")} reposition${busy.length > 1 ? "" : "s"}`
+      : members.length && members.every((k) => shown.robots[k].phase === "done") ? "Done" : "Work";
     fields.waypoint.textContent = team.waypoint >= last ? "goal" : `${team.waypoint + 1} of ${last + 1}`;
     fields.heading.textContent = `${fixed(team.headingError * DEGREES, 1)}°`;
     fields.distance.textContent = `${fixed(team.distance, 3)} m`;
@@ -163,9 +167,9 @@ function writePage() {
   ];
   byId("facts").replaceChildren(...facts.map(([text, className]) => element("li", text, { className })));
   for (const [name, value] of replay.outcome) {
-    const row = element("tr", null);
-    row.append(element("td", name), element("td", value));
-    byId("outcome").tBodies[0].append(row);
+    const row = element("div", null);
+    row.append(element("dt", name), element("dd", value));
+    byId("outcome").append(row);
   }
   byId("outcome-card").hidden = !replay.outcome.length;
   byId("events-card").hidden = !replay.events.length;

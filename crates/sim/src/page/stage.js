@@ -139,7 +139,7 @@ function drawGround() {
   return () => {
     for (let k = Math.ceil(x0 / step); k * step <= x1; k++) {
       const px = toScreen(k * step, 0)[0];
-      if (px > 40 && px < width - 90) label(fixed(k * step, digits), px, height - 9, { color: colors.muted, size: 10 });
+      if (px > 40 && px < width - 30) label(fixed(k * step, digits), px, height - 9, { color: colors.muted, size: 10 });
     }
     for (let k = Math.ceil(y0 / step); k * step <= y1; k++) {
       const py = toScreen(0, k * step)[1];
@@ -347,26 +347,35 @@ function drawRobots(now) {
   });
 }
 
+/// A panel under what does not belong to the map.
+function plate(x, y, width, height) {
+  const { context } = surface;
+  context.beginPath();
+  context.roundRect(x, y, width, height, 6);
+  context.globalAlpha = 0.92;
+  context.fillStyle = colors.card;
+  context.fill();
+  context.globalAlpha = 1;
+  context.lineWidth = 1;
+  context.strokeStyle = colors.line;
+  context.stroke();
+}
+
 function drawScale() {
   const { context, width, height } = surface;
   const step = niceStep(60 / view.scale);
   const length = step * view.scale;
-  const [x, y] = [width - 16, height - 14];
-  context.strokeStyle = colors.card;
-  context.lineWidth = 6;
-  const bar = () => {
-    context.beginPath();
-    context.moveTo(x - length, y - 4);
-    context.lineTo(x - length, y);
-    context.lineTo(x, y);
-    context.lineTo(x, y - 4);
-    context.stroke();
-  };
+  const [x, y] = [width - 19, height - 18];
+  plate(x - length - 9, y - 22, length + 18, 30);
+  context.beginPath();
+  context.moveTo(x - length, y - 4);
+  context.lineTo(x - length, y);
+  context.lineTo(x, y);
+  context.lineTo(x, y - 4);
   context.lineCap = "square";
-  bar();
   context.strokeStyle = colors.ink;
   context.lineWidth = 1.6;
-  bar();
+  context.stroke();
   label(step < 1 ? `${fixed(step * 100, 0)} cm` : `${fixed(step, 0)} m`, x - length / 2, y - 11, { size: 11 });
 }
 
@@ -375,19 +384,11 @@ function drawUphill() {
   if (Math.abs(replay.slope_deg) < 1e-9) return;
   // a negative slope rises the other way
   const angle = replay.uphill_deg / DEGREES + (replay.slope_deg < 0 ? Math.PI : 0);
-  const [x, y, reach] = [width - 44, 40, 19];
-  context.beginPath();
-  context.arc(x, y, 27, 0, 2 * Math.PI);
-  context.fillStyle = colors.card;
-  context.globalAlpha = 0.9;
-  context.fill();
-  context.globalAlpha = 1;
-  context.strokeStyle = colors.line;
-  context.lineWidth = 1;
-  context.stroke();
+  const [x, y, reach] = [width - 48, 38, 19];
+  plate(x - 38, 10, 76, 70);
   const [c, s] = [reach * Math.cos(angle), -reach * Math.sin(angle)];
   arrow(x - c, y - s, x + c, y + s, colors.ink, 2.2, 10);
-  label(`uphill ${fixed(Math.abs(replay.slope_deg), 1).replace(/\.0$/, "")}°`, x, y + 38, { size: 11 });
+  label(`uphill ${fixed(Math.abs(replay.slope_deg), 1).replace(/\.0$/, "")}°`, x, y + 32, { size: 11 });
 }
 
 function drawStage(now) {
@@ -397,8 +398,8 @@ function drawStage(now) {
   drawWaypoints(now);
   drawLoads(now);
   drawSlots(now);
-  drawRobots(now);
   ticks();
+  drawRobots(now);
   drawScale();
   drawUphill();
 }
