@@ -75,20 +75,15 @@ pub fn picture(replay: &Replay) -> String {
         let opacity = match order {
             0 => 0.5,
             _ if order + 1 == instants.len() => 1.0,
-            _ => 0.16 + 0.14 * order as f64 / instants.len() as f64,
+            _ => 0.2 + 0.25 * order as f64 / instants.len() as f64,
         };
         if order + 1 == instants.len() {
             drawing.traces(replay, &frames);
-            for team in &replay.teams {
-                drawing.waypoints(team, replay.teams.len() > 1);
-            }
         }
         drawing.instant(replay, &frames, *instant, opacity);
     }
-    if instants.is_empty() {
-        for team in &replay.teams {
-            drawing.waypoints(team, replay.teams.len() > 1);
-        }
+    for team in &replay.teams {
+        drawing.waypoints(team, replay.teams.len() > 1);
     }
     drawing.uphill(replay);
     drawing.legend();

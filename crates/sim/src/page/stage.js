@@ -139,7 +139,7 @@ function drawGround() {
   return () => {
     for (let k = Math.ceil(x0 / step); k * step <= x1; k++) {
       const px = toScreen(k * step, 0)[0];
-      if (px > 40 && px < width - 30) label(fixed(k * step, digits), px, height - 9, { color: colors.muted, size: 10 });
+      if (px > 40 && px < width - scaleLength() - 46) label(fixed(k * step, digits), px, height - 9, { color: colors.muted, size: 10 });
     }
     for (let k = Math.ceil(y0 / step); k * step <= y1; k++) {
       const py = toScreen(0, k * step)[1];
@@ -361,10 +361,13 @@ function plate(x, y, width, height) {
   context.stroke();
 }
 
+/// Of the scale bar, pixels.
+const scaleLength = () => niceStep(60 / view.scale) * view.scale;
+
 function drawScale() {
   const { context, width, height } = surface;
-  const step = niceStep(60 / view.scale);
-  const length = step * view.scale;
+  const length = scaleLength();
+  const step = length / view.scale;
   const [x, y] = [width - 19, height - 18];
   plate(x - length - 9, y - 22, length + 18, 30);
   context.beginPath();
@@ -392,14 +395,18 @@ function drawUphill() {
 }
 
 function drawStage(now) {
+  const { context } = surface;
+  // line caps and dashes of one instant must not reach the next
+  context.save();
   const ticks = drawGround();
   drawSurroundings();
   drawTraces(now);
-  drawWaypoints(now);
   drawLoads(now);
+  drawWaypoints(now);
   drawSlots(now);
   ticks();
   drawRobots(now);
   drawScale();
   drawUphill();
+  context.restore();
 }
