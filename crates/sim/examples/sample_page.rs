@@ -113,7 +113,8 @@ fn frame(time: f64, duration: f64) -> Frame {
     let leg = leg(share);
     let target = WAYPOINTS[leg];
     let bearing = (target[1] - now[1]).atan2(target[0] - now[0]);
-    let heading_error = (bearing - now[2] + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+    let heading_error =
+        (bearing - now[2] + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
     let turning = (share * 3.0).fract() < TURNING && share < 1.0;
     let primitive = if turning {
         Primitive::Rotate(if turn_rate >= 0.0 { Turn::Counterclockwise } else { Turn::Clockwise })
@@ -180,7 +181,7 @@ fn robot(
         _ => Role::Prevent,
     };
     if phase == Phase::Work && role == Role::Prevent {
-        speed = -0.8 * speed;
+        speed *= -0.8;
     }
     // out of the slot: away from the edge, and along it
     let (sine, cosine) = slot[2].sin_cos();

@@ -196,7 +196,12 @@ fn document(replay: &Replay) -> Value {
             })
         })
         .collect();
-    let events: Vec<Value> = replay.events.iter().map(|e| json!([e.time, e.text])).collect();
+    let events: Vec<Value> = replay
+        .events
+        .iter()
+        .filter(|event| event.time.is_finite())
+        .map(|event| json!([event.time, event.text]))
+        .collect();
     json!({
         "title": replay.title,
         "description": replay.description,

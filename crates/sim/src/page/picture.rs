@@ -167,8 +167,7 @@ impl Drawing {
         let size = [high[0] - low[0] + 2.0 * MARGIN, high[1] - low[1] + 2.0 * MARGIN];
         let height = (WIDTH * size[1] / size[0]).clamp(HEIGHT[0], HEIGHT[1]);
         let scale = (WIDTH / size[0]).min(height / size[1]);
-        let origin =
-            [(low[0] + high[0]) / 2.0 - WIDTH / scale / 2.0, (low[1] + high[1]) / 2.0 + height / scale / 2.0];
+        let origin = [(low[0] + high[0]) / 2.0 - WIDTH / scale / 2.0, (low[1] + high[1]) / 2.0 + height / scale / 2.0];
         Self { body: String::new(), origin, scale, height }
     }
 
@@ -292,11 +291,8 @@ impl Drawing {
                 0.57 * size,
             ));
             if size >= 7.0 && opacity >= 0.5 {
-                let font = (0.95 * size).min(16.0);
-                self.put(format_args!(
-                    "<text class=\"number\" style=\"font-size:{font:.1}px\">{}</text>",
-                    number + 1
-                ));
+                let font = (0.95 * size).min(16.0) * if number > 8 { 0.8 } else { 1.0 };
+                self.put(format_args!("<text class=\"number\" style=\"font-size:{font:.1}px\">{}</text>", number + 1));
             }
             self.put(format_args!("</g>"));
         }

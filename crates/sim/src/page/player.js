@@ -94,7 +94,7 @@ function showNow() {
     const busy = members.filter((k) => replay.repositioning[replay.phases.indexOf(shown.robots[k].phase)]);
     fields.primitive.textContent = PRIMITIVES[team.primitive];
     fields.phase.textContent = busy.length
-      ? `${busy.map((k) => k + 1).join(", ")} reposition${busy.length > 1 ? "" : "s"}`
+      ? busy.map((k) => `${k + 1}: ${words(shown.robots[k].phase)}`).join(", ")
       : members.length && members.every((k) => shown.robots[k].phase === "done") ? "Done" : "Work";
     fields.waypoint.textContent = team.waypoint >= last ? "goal" : `${team.waypoint + 1} of ${last + 1}`;
     fields.heading.textContent = `${fixed(team.headingError * DEGREES, 1)}°`;
@@ -161,7 +161,7 @@ function writePage() {
   const facts = [
     [replay.success ? "✓ Succeeded" : "✗ Failed", replay.success ? "good" : "bad"],
     [`${sentence(replay.world)} world`, ""],
-    [`${robots.length} robots`, ""],
+    [`${robots.length} ${robots.length === 1 ? "robot" : "robots"}`, ""],
     [`seed ${replay.seed}`, ""],
     [`cohaul ${replay.version}`, ""],
   ];

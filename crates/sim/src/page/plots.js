@@ -186,9 +186,9 @@ function paintChart() {
   }
   const last = rows[rows.length - 1];
   for (let t = Math.ceil(startTime / step) * step; t <= endTime + 1e-9; t += step) {
-    plotText(context, fixed(t, digitsOf(step)), timeToPixel(t), last.bottom + 10, "center");
+    plotText(context, fixed(t, digitsOf(step)), timeToPixel(t), last.bottom + 10, t - startTime < step / 2 ? "left" : "center");
   }
-  plotText(context, "s", GUTTER - 6, last.bottom + 10, "right");
+  plotText(context, "time, s", 0, last.bottom + 10, "left");
 }
 
 function drawChart(now) {

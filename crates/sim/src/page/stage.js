@@ -117,7 +117,8 @@ function arrow(px, py, qx, qy, color, width, head) {
 function drawGround() {
   const { context, width, height } = surface;
   context.fillStyle = colors.card;
-  context.fillRect(0, 0, width, height);
+  // to the end of the last pixel, which the box may cover in part
+  context.fillRect(0, 0, width + 1, height + 1);
   const step = niceStep(70 / view.scale);
   const digits = digitsOf(step);
   const [x0, y1] = toWorld(0, 0);
@@ -336,7 +337,8 @@ function drawRobots(now) {
       context.setLineDash([]);
     }
     if (radius >= 7) {
-      context.font = `650 ${Math.min(18, Math.max(9, radius * 0.95))}px ${FONT}`;
+      const size = Math.min(18, Math.max(9, radius * 0.95)) * (robot.number > 9 ? 0.8 : 1);
+      context.font = `650 ${size}px ${FONT}`;
       context.textAlign = "center";
       context.textBaseline = "middle";
       context.fillStyle = pose.activity === HOLD ? colors.ink : colors.badge;
