@@ -4,6 +4,7 @@
 pub mod episode;
 pub mod error;
 pub mod outcome;
+pub mod page;
 mod score;
 pub mod sensor;
 pub mod world;
