@@ -207,12 +207,6 @@ impl<'de> Deserializer<'de> for Decoder<'de> {
     fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, DecodeError> {
         match &self.node.value {
             Value::List(items) if items.len() == len => self.deserialize_seq(visitor),
-            Value::List(items) => {
-                let found = format!("a list of {}", items.len());
-                let problem =
-                    Problem::WrongType { path: self.path, expected: format!("a list of {len} numbers"), found };
-                Err(DecodeError::Located(Box::new(Fault { problem, place: self.node.place })))
-            }
             _ => Err(self.wrong(format!("a list of {len} numbers"))),
         }
     }

@@ -103,13 +103,17 @@ impl Parsed {
     /// # Errors
     /// Values drawn together that do not make a valid scenario.
     pub fn resolve(&self, seed: Option<u64>, draw: &mut dyn FnMut() -> f64) -> Result<Scenario, ScenarioError> {
-        let refuse = |fault| locate(&self.source, fault, &self.overrides);
         let mut tree = self.tree.clone();
+        let mut drawn = Vec::new();
         for (path, range) in &self.scenario.randomize {
             let value = randomize::drawn(path, *range, draw());
-            randomize::set(&mut tree, path, value).map_err(refuse)?;
+            drawn.push(format!("{path}={value}"));
+            randomize::set(&mut tree, path, value).map_err(|fault| locate(&self.source, fault, &self.overrides))?;
         }
-        let (mut scenario, _) = check(&tree).map_err(refuse)?;
+        let (mut scenario, _) = check(&tree).map_err(|fault| {
+            let problem = Problem::Drawn { drawn: drawn.join(", "), reason: fault.problem.to_string() };
+            locate(&self.source, Fault { problem, place: tree.place("randomize") }, &self.overrides)
+        })?;
         scenario.randomize.clear();
         scenario.seed = seed.unwrap_or(scenario.seed);
         Ok(scenario)
@@ -146,7 +150,6 @@ fn read(text: &[u8]) -> Result<Node, Fault> {
         non_finite_float_policy: serde_saphyr::NonFiniteFloatPolicy::Reject,
         budget: serde_saphyr::budget! {
             max_depth: 32,
-            flow_nesting_limit: 32,
             max_events: 400_000,
             max_nodes: 200_000,
             max_aliases: 1_000,
@@ -172,9 +175,13 @@ fn yaml_problem(error: &serde_saphyr::Error) -> Problem {
     let line = full.lines().next().unwrap_or_default();
     let message = line.rsplit_once(" at line ").map_or(line, |(message, _)| message).to_owned();
     match error {
+        Error::AliasError { error, .. } => yaml_problem(error),
         Error::DuplicateMappingKey { key: Some(key), .. } => Problem::DuplicateKey { key: tree::abbreviated(key) },
         Error::NonFiniteFloat { value, .. } => Problem::NotFinite { value: tree::abbreviated(value) },
         Error::MultipleDocuments { .. } => Problem::Syntax { message: "more than one document (`---`)".to_owned() },
+        Error::RecursiveReferencesRequireWeakTypes { .. } => {
+            Problem::Syntax { message: "an alias stands inside its own anchor".to_owned() }
+        }
         Error::NullIntoString { .. } => Problem::Syntax { message: "a key is empty".to_owned() },
         Error::Budget { .. }
         | Error::AliasReplayLimitExceeded { .. }

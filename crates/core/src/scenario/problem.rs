@@ -76,7 +76,7 @@ pub enum Problem {
         key: String,
     },
     /// Not one of the words allowed.
-    #[error("{path}: unknown value `{found}`")]
+    #[error("`{path}`: unknown value `{found}`")]
     UnknownValue {
         /// Path of the value.
         path: String,
@@ -86,7 +86,7 @@ pub enum Problem {
         allowed: Vec<String>,
     },
     /// A value outside its range.
-    #[error("{path} is {value}: {reason}")]
+    #[error("`{path}` is {value}: {reason}")]
     OutOfRange {
         /// Path of the value.
         path: String,
@@ -114,13 +114,13 @@ pub enum Problem {
         reason: String,
     },
     /// A list of waypoints without any.
-    #[error("{path} is an empty list")]
+    #[error("`{path}` is an empty list")]
     EmptyWaypoints {
         /// Path of the list.
         path: String,
     },
     /// Not a convex polygon.
-    #[error("{path}: {error}")]
+    #[error("`{path}`: {error}")]
     Shape {
         /// Path of the polygon.
         path: String,
@@ -220,18 +220,28 @@ pub enum Problem {
         obstacle: usize,
     },
     /// Two values that contradict each other.
-    #[error("{path}: {reason}")]
+    #[error("`{path}`: {reason}")]
     Contradiction {
         /// Path of one of them.
         path: String,
         /// What contradicts what.
         reason: String,
+        /// What to do about it.
+        remedy: String,
     },
     /// A key that cannot be drawn.
     #[error("randomize: `{path}` cannot be drawn: {reason}")]
     Randomize {
         /// Path of the key.
         path: String,
+        /// Why.
+        reason: String,
+    },
+    /// Values that are allowed one by one, but not together.
+    #[error("the values drawn ({drawn}) do not go together: {reason}")]
+    Drawn {
+        /// Keys and values.
+        drawn: String,
         /// Why.
         reason: String,
     },
@@ -304,10 +314,11 @@ impl Problem {
             Self::Overlap { .. } => "move one of them: a load's `pose` moves its team with it".to_owned(),
             Self::Outside { region, .. } => format!("move it inside, or enlarge `terrain.{region}` or write null there"),
             Self::InObstacle { .. } => "move the point or the obstacle".to_owned(),
-            Self::Contradiction { .. } => "change one of the two".to_owned(),
+            Self::Contradiction { remedy, .. } => remedy.clone(),
             Self::Randomize { .. } => {
                 "name a numeric key as for `--set`, with a range [low, high] whose ends are allowed values".to_owned()
             }
+            Self::Drawn { .. } => "narrow the ranges in `randomize`".to_owned(),
         }
     }
 }

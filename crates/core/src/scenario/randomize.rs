@@ -32,39 +32,33 @@ pub(crate) fn check_ranges(scenario: &Scenario, tree: &Node) -> Result<(), Fault
         }
         for end in [low, high] {
             let mut drawn = tree.clone();
-            set(&mut drawn, path, number(path, *end))?;
-            super::check(&drawn)?;
+            let checked = set(&mut drawn, path, number(path, *end)).and_then(|()| super::check(&drawn));
+            if let Err(fault) = checked {
+                return refused(&format!("with {end}, {}", fault.problem));
+            }
         }
     }
     Ok(())
 }
 
-/// Whether the key is there, or a default that stands in a map that is there.
+/// Whether nothing but maps has to be made on the way to `path`, and no other choice was taken.
 fn exists(tree: &Node, path: &str) -> bool {
-    let mut trial = tree.clone();
-    let value = Node { value: Value::Null, place: tree.place(path) };
+    let mut node = Some(tree);
     let mut here = String::new();
     for segment in path.split('.') {
-        match tree
-            .get(&here)
-            .map(|node| &node.value)
-            .filter(|_| !here.is_empty())
-            .or(here.is_empty().then_some(&tree.value))
-        {
-            Some(Value::List(items)) if segment.parse::<usize>().is_ok_and(|index| index >= items.len()) => {
-                return false;
-            }
-            Some(Value::Map(entries))
-                if schema::is_choice(&here) && !entries.iter().any(|entry| entry.key == segment) =>
-            {
-                return false;
-            }
-            Some(Value::Text(_)) => return false,
-            _ => {}
+        let present = match node.map(|node| &node.value) {
+            Some(Value::List(items)) => segment.parse::<usize>().is_ok_and(|index| index < items.len()),
+            Some(Value::Map(entries)) => !schema::is_choice(&here) || entries.iter().any(|entry| entry.key == segment),
+            Some(Value::Text(_)) => false,
+            _ => segment.parse::<usize>().is_err(),
+        };
+        if !present {
+            return false;
         }
         here = join(&here, segment);
+        node = tree.get(&here);
     }
-    trial.set(path, value, &|_| false).is_ok()
+    true
 }
 
 /// The value drawn from [low, high] with `uniform` in [0, 1).

@@ -75,7 +75,7 @@ impl fmt::Display for Value {
             Self::Integer(value) => write!(f, "{value}"),
             Self::Float(value) => write!(f, "{value}"),
             Self::Text(text) => write!(f, "text `{}`", abbreviated(text)),
-            Self::List(_) => f.write_str("a list"),
+            Self::List(items) => write!(f, "a list of {}", items.len()),
             Self::Map(_) => f.write_str("keys with values"),
         }
     }

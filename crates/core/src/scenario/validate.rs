@@ -35,8 +35,8 @@ impl Rules<'_> {
         Fault { problem, place: self.tree.place(path) }
     }
 
-    fn contradiction<T>(&self, path: String, reason: String) -> Result<T, Fault> {
-        Err(self.fault(&path.clone(), Problem::Contradiction { path, reason }))
+    fn contradiction(&self, path: String, reason: String, remedy: &str) -> Result<(), Fault> {
+        Err(self.fault(&path.clone(), Problem::Contradiction { path, reason, remedy: remedy.to_owned() }))
     }
 
     /// Finds the key at fault for a problem with a body.
@@ -97,7 +97,11 @@ impl Rules<'_> {
                 && !(x_min < x_max && y_min < y_max)
             {
                 let reason = format!("[{x_min}, {y_min}, {x_max}, {y_max}] is not [x_min, y_min, x_max, y_max]");
-                return self.contradiction(format!("terrain.{name}"), reason);
+                return self.contradiction(
+                    format!("terrain.{name}"),
+                    reason,
+                    "give the lower corner first: [x_min, y_min, x_max, y_max]",
+                );
             }
         }
         if let Some(breakaway) = terrain.friction.breakaway
@@ -105,7 +109,11 @@ impl Rules<'_> {
         {
             let reason =
                 format!("static friction {breakaway} is less than dynamic friction {}", terrain.friction.dynamic);
-            return self.contradiction("terrain.friction.static".to_owned(), reason);
+            return self.contradiction(
+                "terrain.friction.static".to_owned(),
+                reason,
+                "a load at rest holds at least as well as a sliding one: raise static, lower dynamic, or write null",
+            );
         }
         Ok(())
     }
@@ -117,7 +125,11 @@ impl Rules<'_> {
                 && rates.len() != count
             {
                 let reason = format!("{} rates for {count} robots", rates.len());
-                return self.contradiction(format!("teams.{i}.robots.rates_hz"), reason);
+                return self.contradiction(
+                    format!("teams.{i}.robots.rates_hz"),
+                    reason,
+                    "give one rate per robot, or leave rates_hz out",
+                );
             }
             let waypoints = format!("teams.{i}.mission.waypoints");
             if team.mission.waypoints.is_empty()
@@ -132,13 +144,21 @@ impl Rules<'_> {
                 && low > r2p2.speed_max.unwrap_or(base)
             {
                 let high = r2p2.speed_max.map_or(format!("the base's {base} m/s"), |high| format!("speed_max {high}"));
-                return self.contradiction(format!("{keys}.speed_min"), format!("{low} m/s is more than {high}"));
+                return self.contradiction(
+                    format!("{keys}.speed_min"),
+                    format!("{low} m/s is more than {high}"),
+                    "lower speed_min or raise speed_max up to what the base can do",
+                );
             }
             if let (Some(release), Some(threshold)) = (r2p2.heading_release, r2p2.heading_threshold)
                 && release > threshold
             {
                 let reason = format!("{release} rad is more than heading_threshold {threshold}");
-                return self.contradiction(format!("{keys}.heading_release"), reason);
+                return self.contradiction(
+                    format!("{keys}.heading_release"),
+                    reason,
+                    "a rotation ends below the error that starts it: lower heading_release",
+                );
             }
         }
         Ok(())
@@ -174,17 +194,12 @@ impl Rules<'_> {
             self.inside(&format!("loads.{i}.pose"), &what, Vector2::new(load.pose.x, load.pose.y))?;
         }
         for (i, team) in self.scenario.teams.iter().enumerate() {
-            let point = |p: &Point| Vector2::new(p.x, p.y);
-            let mut points = vec![(
-                format!("teams.{i}.mission.goal"),
-                format!("team `{}`'s goal", team.id),
-                point(&team.mission.goal),
-            )];
-            for (k, waypoint) in team.mission.waypoints.iter().enumerate() {
-                let what = format!("team `{}`'s waypoint {k}", team.id);
-                points.push((format!("teams.{i}.mission.waypoints.{k}"), what, point(waypoint)));
-            }
-            for (path, what, at) in points {
+            let waypoints = team.mission.waypoints.iter().enumerate().map(|(k, at)| {
+                (format!("teams.{i}.mission.waypoints.{k}"), format!("team `{}`'s waypoint {k}", team.id), at)
+            });
+            let goal = (format!("teams.{i}.mission.goal"), format!("team `{}`'s goal", team.id), &team.mission.goal);
+            for (path, what, Point { x, y }) in waypoints.chain([goal]) {
+                let at = Vector2::new(*x, *y);
                 self.inside(&path, &what, at)?;
                 for (obstacle, polygon) in instance.obstacles.iter().enumerate() {
                     if distance_polygon_circle(polygon, &Pose2::identity(), &at, 0.0) < 0.0 {
