@@ -64,6 +64,8 @@ pub struct Scenario {
     pub start: Start,
     /// Numeric keys drawn anew for every seed, uniformly from [low, high]: path as for `--set`, such as `loads.0.mass`.
     #[serde(default)]
+    #[garde(length(max = 64))]
+    #[schemars(extend("maxProperties" = 64))]
     pub randomize: BTreeMap<String, [f64; 2]>,
     /// Seed of everything random.
     #[serde(default = "Scenario::default_seed")]

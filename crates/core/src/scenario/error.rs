@@ -156,3 +156,19 @@ located!(
     Warning,
     Severity::Warning
 );
+
+#[cfg(test)]
+mod tests {
+    use miette::NarratableReportHandler;
+
+    #[test]
+    fn reports_show_the_line_and_the_remedy() {
+        let text = b"format: cohaul/1\nname: x\nworld: plane\n";
+        let error = crate::scenario::parse("x.yaml", text, &[]).unwrap_err();
+        let mut report = String::new();
+        NarratableReportHandler::new().render_report(&mut report, &error).unwrap();
+        for part in ["x.yaml:3:8: `world`: unknown value `plane`", "world: plane", "write one of `planar`, `spatial`"] {
+            assert!(report.contains(part), "{report}");
+        }
+    }
+}

@@ -103,6 +103,8 @@ impl Key {
                 return "1 to 64 letters, digits, `_` and `-`".to_owned();
             }
             ("a text whose length is", bound("minLength"), bound("maxLength"))
+        } else if self.is("object") {
+            ("a number of keys that is", None, bound("maxProperties"))
         } else if self.is_whole() {
             ("a whole number", bound("minimum"), bound("maximum"))
         } else {

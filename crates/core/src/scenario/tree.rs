@@ -76,7 +76,7 @@ impl fmt::Display for Value {
             Self::Float(value) => write!(f, "{value}"),
             Self::Text(text) => write!(f, "text `{}`", abbreviated(text)),
             Self::List(items) => write!(f, "a list of {}", items.len()),
-            Self::Map(_) => f.write_str("keys with values"),
+            Self::Map(entries) => write!(f, "{} keys", entries.len()),
         }
     }
 }

@@ -228,6 +228,7 @@ impl Rules<'_> {
     /// No two bodies overlap at the start.
     fn room(&self, instance: &Instance) -> Result<(), Fault> {
         let bodies = self.bodies(instance);
+        let obstacles: Vec<_> = instance.obstacles.iter().map(Body::fixed).collect();
         for (i, first) in bodies.iter().enumerate() {
             if let Some(walls) = self.scenario.terrain.walls {
                 let clear = first.corners().iter().map(|at| clearance(walls, at)).fold(f64::INFINITY, f64::min)
@@ -247,15 +248,8 @@ impl Rules<'_> {
                     return Err(self.fault(&first.path(), problem));
                 }
             }
-            for (obstacle, polygon) in instance.obstacles.iter().enumerate() {
-                let fixed = Body {
-                    shape: BodyShape::Polygon(polygon, Pose2::identity()),
-                    center: polygon.centroid(),
-                    reach: polygon.vertices().iter().map(|v| (v - polygon.centroid()).norm()).fold(0.0, f64::max),
-                    label: Label::Obstacle,
-                    load: usize::MAX,
-                };
-                if let Some(depth) = first.overlap(&fixed) {
+            for (obstacle, fixed) in obstacles.iter().enumerate() {
+                if let Some(depth) = first.overlap(fixed) {
                     let problem =
                         Problem::Overlap { first: first.name(), second: format!("obstacle {obstacle}"), depth };
                     return Err(self.fault(&format!("terrain.obstacles.{obstacle}"), problem));
@@ -323,7 +317,14 @@ struct Body<'a> {
     load: usize,
 }
 
-impl Body<'_> {
+impl<'a> Body<'a> {
+    fn fixed(polygon: &'a ConvexPolygon) -> Self {
+        let center = polygon.centroid();
+        let reach = polygon.vertices().iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
+        let shape = BodyShape::Polygon(polygon, Pose2::identity());
+        Self { shape, center, reach, label: Label::Obstacle, load: usize::MAX }
+    }
+
     fn name(&self) -> String {
         match self.label {
             Label::Load(id) => format!("load `{id}`"),
