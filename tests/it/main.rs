@@ -1,3 +1,4 @@
-//! All integration tests in one binary.
+//! Tests across crates, in one binary.
 
 mod contact;
+mod scenarios;

@@ -11,7 +11,7 @@ use cohaul_core::control::{Command, Decision, Observation, Step, Stepper, StopFl
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::RobotId;
 use cohaul_core::scenario::document::{Controller, GroundModel, Scenario};
-use cohaul_core::scenario::instance::Instance;
+use cohaul_core::scenario::Instance;
 use cohaul_core::se2::{Pose2, pose};
 use cohaul_core::time::Time;
 use nalgebra::Vector2;

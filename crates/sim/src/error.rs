@@ -1,21 +1,20 @@
 //! What can go wrong around an episode.
 
 use cohaul_core::control::ControlError;
+use cohaul_core::record::RecordError;
+use cohaul_core::scenario::Problem;
 
-/// Why an episode could not be run or recorded.
+/// Why an episode could not be run, recorded or replayed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
     /// The scenario does not describe a mission.
-    #[error("scenario cannot be built: {0}")]
-    Scenario(String),
+    #[error("scenario cannot be built")]
+    Scenario(#[from] Problem),
     /// A controller refuses its parameters.
     #[error("controller cannot be built")]
     Control(#[from] ControlError),
-}
-
-impl From<String> for SimError {
-    fn from(reason: String) -> Self {
-        Self::Scenario(reason)
-    }
+    /// The log cannot be written or read.
+    #[error("log failed")]
+    Record(#[from] RecordError),
 }

@@ -15,7 +15,7 @@ use cohaul_core::geometry::query::distance_polygon_circle;
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::document::Scenario;
-use cohaul_core::scenario::instance::Instance;
+use cohaul_core::scenario::Instance;
 use cohaul_core::se2::{Pose2, position, wrap_angle, yaw};
 use cohaul_core::transport::formation::CagingPair;
 use nalgebra::Vector2;

@@ -1,41 +1,71 @@
 //! The scenario file as data. The JSON Schema in `scenarios/` is made from these structs.
 
+mod r2p2;
+
 use std::collections::BTreeMap;
 
+use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use r2p2::{Prevent, R2p2, Stance, Support, Variant};
+
+const NAME_PATTERN: &str = "^[A-Za-z0-9_-]{1,64}$";
+
+/// Names become parts of file names and of topics.
+fn is_name(text: &str, _: &()) -> garde::Result {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if (1..=64).contains(&text.len()) && text.chars().all(allowed) {
+        Ok(())
+    } else {
+        Err(garde::Error::new("not a name of 1 to 64 letters, digits, `_` and `-`"))
+    }
+}
+
 /// A whole scenario file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+#[schemars(title = "cohaul scenario")]
 pub struct Scenario {
     /// Version of the format.
     pub format: Format,
     /// Name of the mission; the files written are named after it.
+    #[garde(custom(is_name))]
+    #[schemars(regex(pattern = NAME_PATTERN))]
     pub name: String,
     /// What the mission shows.
     #[serde(default)]
+    #[garde(length(max = 10_000))]
     pub description: String,
     /// Which simulator runs it.
     pub world: WorldKind,
     /// Ground and fixed surroundings.
     #[serde(default)]
+    #[garde(dive)]
     pub terrain: Terrain,
     /// What is moved.
+    #[garde(length(min = 1, max = 64), dive)]
     pub loads: Vec<Load>,
     /// Who moves it.
+    #[garde(length(min = 1, max = 64), dive)]
     pub teams: Vec<Team>,
     /// How poses are measured.
     #[serde(default)]
+    #[garde(dive)]
     pub sensors: Sensors,
     /// Integration of the simulated world.
     #[serde(default)]
+    #[garde(dive)]
     pub physics: Physics,
     /// Random displacement of every body at the start.
     #[serde(default)]
+    #[garde(dive)]
     pub start: Start,
     /// Numeric keys drawn anew for every seed, uniformly from [low, high]: path as for `--set`, such as `loads.0.mass`.
     #[serde(default)]
+    #[garde(length(max = 64))]
+    #[schemars(extend("maxProperties" = 64))]
     pub randomize: BTreeMap<String, [f64; 2]>,
     /// Seed of everything random.
     #[serde(default = "Scenario::default_seed")]
@@ -67,22 +97,31 @@ pub enum WorldKind {
 }
 
 /// Ground and fixed surroundings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Terrain {
     /// Inclination of the ground, degrees; negative means that the direction `uphill_deg` leads downhill.
+    #[garde(range(min = -80.0, max = 80.0))]
     pub slope_deg: f64,
     /// Direction of steepest ascent in the ground plane, degrees from the x axis.
+    #[garde(range(min = -360.0, max = 360.0))]
     pub uphill_deg: f64,
     /// Coefficients of friction.
+    #[garde(dive)]
     pub friction: Friction,
     /// Model of the friction between load and ground.
     pub ground: GroundModel,
     /// Fixed convex obstacles, each a list of corners [x, y] in the world, m.
+    #[garde(length(max = 1000), inner(length(min = 3, max = 64), inner(inner(range(min = -1e4, max = 1e4)))))]
     pub obstacles: Vec<Vec<[f64; 2]>>,
     /// Solid walls around the rectangle [x_min, y_min, x_max, y_max], m.
+    #[garde(inner(inner(range(min = -1e4, max = 1e4))))]
+    #[schemars(inner(range(min = -1e4, max = 1e4)))]
     pub walls: Option<[f64; 4]>,
     /// Rectangle [x_min, y_min, x_max, y_max] that the centre of every load must stay in, m; leaving it loses the load.
+    #[garde(inner(inner(range(min = -1e4, max = 1e4))))]
+    #[schemars(inner(range(min = -1e4, max = 1e4)))]
     pub workspace: Option<[f64; 4]>,
 }
 
@@ -101,15 +140,19 @@ impl Default for Terrain {
 }
 
 /// Coefficients of friction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Friction {
     /// Between a sliding load and the ground.
+    #[garde(range(min = 0.0, max = 2.0))]
     pub dynamic: f64,
     /// Between a resting load and the ground; the dynamic one where it is not given.
     #[serde(rename = "static")]
+    #[garde(range(min = 0.0, max = 2.0))]
     pub breakaway: Option<f64>,
     /// Between wheels and ground: limits the traction of every robot.
+    #[garde(range(min = 0.0, max = 2.0))]
     pub wheel: f64,
 }
 
@@ -131,23 +174,31 @@ pub enum GroundModel {
 }
 
 /// What is moved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Load {
     /// Name by which teams refer to it.
+    #[garde(custom(is_name))]
+    #[schemars(regex(pattern = NAME_PATTERN))]
     pub id: String,
     /// Footprint.
+    #[garde(dive)]
     pub shape: Shape,
     /// Height, m.
     #[serde(default = "Load::default_height")]
+    #[garde(range(min = 0.001, max = 10.0))]
     pub height: f64,
     /// Mass, kg.
+    #[garde(range(min = 0.001, max = 1e4))]
     pub mass: f64,
     /// Coefficient of friction between robot and load.
     #[serde(default = "Load::default_contact_friction")]
+    #[garde(range(min = 0.0, max = 2.0))]
     pub contact_friction: f64,
     /// Where its centre starts; its heading is the x axis of its frame.
     #[serde(default)]
+    #[garde(dive)]
     pub pose: Pose,
 }
 
@@ -162,76 +213,99 @@ impl Load {
 }
 
 /// A convex footprint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub enum Shape {
     /// A rectangle.
     Rectangle {
         /// Extent across the heading (the long side of the paper's load), m.
+        #[garde(range(min = 0.01, max = 100.0))]
         length: f64,
         /// Extent along the heading, m.
+        #[garde(range(min = 0.01, max = 100.0))]
         width: f64,
     },
     /// Any convex polygon.
     Polygon {
         /// Corners [x, y] in the load's frame, m; the frame is moved to the centroid.
+        #[garde(length(min = 3, max = 64), inner(inner(range(min = -100.0, max = 100.0))))]
         vertices: Vec<[f64; 2]>,
     },
 }
 
 /// A planar pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Pose {
     /// m.
+    #[garde(range(min = -1e4, max = 1e4))]
     pub x: f64,
     /// m.
+    #[garde(range(min = -1e4, max = 1e4))]
     pub y: f64,
     /// Degrees, counter-clockwise.
+    #[garde(range(min = -360.0, max = 360.0))]
     pub yaw_deg: f64,
 }
 
 /// A team: robots that move one load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Team {
     /// Name.
+    #[garde(custom(is_name))]
+    #[schemars(regex(pattern = NAME_PATTERN))]
     pub id: String,
     /// The load's `id`.
     pub load: String,
     /// The robots, all alike.
+    #[garde(dive)]
     pub robots: Robots,
     /// Where they stand around the load.
+    #[garde(dive)]
     pub formation: Formation,
     /// What they shall reach.
+    #[garde(dive)]
     pub mission: Mission,
     /// How each of them decides.
+    #[garde(dive)]
     pub controller: Controller,
 }
 
 /// Robots of a team, all alike.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Robots {
     /// Kind of robot.
     #[serde(default)]
     pub model: RobotKind,
     /// How many.
+    #[garde(range(min = 1, max = 64))]
     pub count: usize,
     /// Extra mass that each carries.
     #[serde(default)]
+    #[garde(dive)]
     pub ballast: Option<Ballast>,
     /// Control rate of each robot, Hz, where it differs from the controller's `rate_hz`; one number per robot.
     #[serde(default)]
+    #[garde(inner(inner(range(min = 0.1, max = 1000.0))))]
+    #[schemars(inner(range(min = 0.1, max = 1000.0)))]
     pub rates_hz: Option<Vec<f64>>,
     /// Linear acceleration limit, m/s².
     #[serde(default = "Robots::default_acceleration")]
+    #[garde(range(min = 0.01, max = 100.0))]
     pub acceleration: f64,
     /// Angular acceleration limit, rad/s².
     #[serde(default = "Robots::default_angular_acceleration")]
+    #[garde(range(min = 0.01, max = 1000.0))]
     pub angular_acceleration: f64,
     /// Step to which the base truncates commands toward zero, m/s and rad/s; 0 for none.
     #[serde(default = "Robots::default_command_step")]
+    #[garde(range(min = 0.0, max = 0.1))]
     pub command_step: f64,
 }
 
@@ -259,10 +333,12 @@ pub enum RobotKind {
 }
 
 /// Extra mass on a robot.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Ballast {
     /// kg.
+    #[garde(range(min = 0.0, max = 100.0))]
     pub mass: f64,
     /// Where it sits.
     #[serde(default)]
@@ -281,17 +357,21 @@ pub enum BallastPlace {
 }
 
 /// Where the robots of a team stand around their load.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Formation {
     /// Which slots.
     #[serde(default)]
+    #[garde(dive)]
     pub slots: Slots,
     /// Distance of the outer slots from the corner along the edge, m ([R2P2] Table III, c).
     #[serde(default = "Formation::default_contact_placement")]
+    #[garde(range(min = 0.0, max = 50.0))]
     pub contact_placement: f64,
     /// Distance between the robots' bodies and the load in their slots, m.
     #[serde(default = "Formation::default_gap")]
+    #[garde(range(min = 0.0, max = 1.0))]
     pub gap: f64,
     /// What it means if the load could slip out between two robots.
     #[serde(default)]
@@ -309,8 +389,9 @@ impl Formation {
 }
 
 /// Which slots a formation has.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(rename_all = "snake_case")]
+#[garde(allow_unvalidated)]
 pub enum Slots {
     /// Two on each long side, one at each short end ([R2P2] Fig. 4).
     #[default]
@@ -318,16 +399,19 @@ pub enum Slots {
     /// Two on each long side ([R2P2] §VII).
     Four,
     /// Any places on the load's edges, one per robot.
-    Custom(Vec<CustomSlot>),
+    Custom(#[garde(length(min = 1, max = 64), dive)] Vec<CustomSlot>),
 }
 
 /// A slot on an edge of the load.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct CustomSlot {
     /// Edge of the footprint, counter-clockwise from 0; a rectangle's edge 0 is its right side, edge 1 its front.
+    #[garde(range(min = 0, max = 63))]
     pub edge: usize,
     /// Place along the edge, 0 at its start, 1 at its end.
+    #[garde(range(min = 0.0, max = 1.0))]
     pub at: f64,
 }
 
@@ -344,19 +428,26 @@ pub enum Caging {
 }
 
 /// What a team shall reach.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Mission {
-    /// Points that the load's centre passes in this order, before the goal.
-    #[serde(default)]
+    /// Points that the load's centre passes in this order, before the goal. Leave the key out for a mission without any:
+    /// an empty list is refused.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[garde(length(max = 1000), dive)]
+    #[schemars(length(min = 1))]
     pub waypoints: Vec<Point>,
     /// Where the load's centre shall end.
+    #[garde(dive)]
     pub goal: Point,
     /// Distance at which a waypoint and the goal count as reached, m.
     #[serde(default = "Mission::default_tolerance")]
+    #[garde(range(min = 0.001, max = 10.0))]
     pub tolerance: f64,
     /// Time allowed, s.
     #[serde(default = "Mission::default_time_limit")]
+    #[garde(range(min = 0.1, max = 1e6))]
     pub time_limit: f64,
 }
 
@@ -371,129 +462,49 @@ impl Mission {
 }
 
 /// A point of the ground plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub struct Point {
     /// m.
+    #[garde(range(min = -1e4, max = 1e4))]
     pub x: f64,
     /// m.
+    #[garde(range(min = -1e4, max = 1e4))]
     pub y: f64,
 }
 
 /// How each robot of a team decides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[garde(allow_unvalidated)]
 pub enum Controller {
     /// Roles with rules and proportional-control primitives.
-    R2p2(R2p2),
-}
-
-/// Parameters of R2P2. Whatever is not given comes from `variant`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct R2p2 {
-    /// Which reading of the paper the other keys default to.
-    pub variant: Variant,
-    /// Pushing speed per heading error, m/s per rad (the reciprocal of the paper's k_p).
-    pub rotation_gain: Option<f64>,
-    /// Pushing speed per distance, 1/s (the reciprocal of the paper's k_p).
-    pub translation_gain: Option<f64>,
-    /// Lowest pushing speed, m/s.
-    pub speed_min: Option<f64>,
-    /// Highest speed, m/s.
-    pub speed_max: Option<f64>,
-    /// Highest speed at which a preventing robot gives way, m/s (v_max of eq. 4).
-    pub load_speed_max: Option<f64>,
-    /// Control rate, Hz.
-    pub rate_hz: Option<f64>,
-    /// Heading error that starts a rotation, rad (ε of §IV-A).
-    pub heading_threshold: Option<f64>,
-    /// Heading error that ends a rotation, rad.
-    pub heading_release: Option<f64>,
-    /// Shortest signed angles instead of the unwrapped comparison of §IV-A.
-    pub wrap: Option<bool>,
-    /// What a supporting robot does.
-    pub support: Option<Support>,
-    /// How robots stand to the edge while they work.
-    pub stance: Option<Stance>,
-    /// At which speed preventing robots give way.
-    pub prevent: Option<Prevent>,
-    /// Whether a pushing robot turns with the load; the paper has ω = 0 (eq. 3).
-    pub push_turns: Option<bool>,
-    /// Whether ω of eqs. 4 and 5 has the load's sense; the paper prints the opposite one.
-    pub turn_with_load: Option<bool>,
-    /// Speed per clearance at which a preventing robot returns to the edge, 1/s; eq. 4 has none.
-    pub gap_gain: Option<f64>,
-    /// Whether robots reposition themselves.
-    pub reposition: Option<bool>,
-    /// Control steps between two checks of the own slot.
-    pub check_interval: Option<u32>,
-    /// Deviation along the edge that starts a repositioning, m.
-    pub reposition_tangential: Option<f64>,
-    /// Deviation of the heading that starts a repositioning, rad.
-    pub reposition_heading: Option<f64>,
-    /// Clearance that starts a repositioning, m.
-    pub reposition_gap: Option<f64>,
-}
-
-/// Which reading of the paper.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Variant {
-    /// The equations as they work.
-    #[default]
-    Recommended,
-    /// The equations as printed.
-    Literal,
-}
-
-/// What a supporting robot does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Support {
-    /// Follows its slot.
-    Track,
-    /// Eq. 5 as printed.
-    Literal,
-    /// Stands still until it has to reposition itself.
-    Park,
-}
-
-/// How robots stand to the edge while they work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Stance {
-    /// Along the path of their slot: tangential to its arc while the load turns.
-    Arc,
-    /// Square to the edge, as in the paper.
-    Square,
-}
-
-/// At which speed preventing robots give way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Prevent {
-    /// At the speed that the pushing robots aim at (eq. 3).
-    Paced,
-    /// At the speed that the load has (eq. 4).
-    Literal,
+    R2p2(#[garde(dive)] R2p2),
 }
 
 /// How poses are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Sensors {
     /// Rate, Hz.
+    #[garde(range(min = 0.1, max = 1000.0))]
     pub rate_hz: f64,
     /// Standard deviation of each coordinate, m.
+    #[garde(range(min = 0.0, max = 1.0))]
     pub position_sd: f64,
     /// Standard deviation of the yaw, degrees.
+    #[garde(range(min = 0.0, max = 180.0))]
     pub yaw_sd_deg: f64,
     /// Age of a pose when it arrives, s.
+    #[garde(range(min = 0.0, max = 10.0))]
     pub latency: f64,
     /// Share of the poses that get lost, 0 to 1.
+    #[garde(range(min = 0.0, max = 1.0))]
     pub dropout: f64,
     /// Age of the last pose at which a robot stops, s.
+    #[garde(range(min = 0.01, max = 60.0))]
     pub timeout: f64,
 }
 
@@ -504,12 +515,15 @@ impl Default for Sensors {
 }
 
 /// Integration of the simulated world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Physics {
     /// Time step, s.
+    #[garde(range(min = 1e-4, max = 0.1))]
     pub step: f64,
     /// Solver iterations per step.
+    #[garde(range(min = 1, max = 64))]
     pub iterations: u32,
 }
 
@@ -520,11 +534,14 @@ impl Default for Physics {
 }
 
 /// Random displacement of every body at the start, uniform and independent, drawn from the seed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
+#[garde(allow_unvalidated)]
 pub struct Start {
     /// Half-width for each coordinate, m.
+    #[garde(range(min = 0.0, max = 1.0))]
     pub position_jitter: f64,
     /// Half-width for the yaw, degrees.
+    #[garde(range(min = 0.0, max = 180.0))]
     pub yaw_jitter_deg: f64,
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use super::document::{Ballast, BallastPlace, Load, Pose, RobotKind, Robots, Scenario, Shape, Team};
+use super::error::Problem;
 use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::id::{LoadId, RobotId};
 use crate::kinematics::UnicycleLimits;
@@ -55,8 +56,8 @@ impl Scenario {
     ///
     /// # Errors
     /// None for a scenario that came from [`parse`](super::parse).
-    pub fn instance(&self) -> Result<Instance, String> {
-        let shape = |path: String| move |error| format!("{path}: {error}");
+    pub fn instance(&self) -> Result<Instance, Problem> {
+        let shape = |path: String| move |error| Problem::Shape { path, error };
         let mut loads = Vec::new();
         for (i, load) in self.loads.iter().enumerate() {
             let polygon = load.polygon().map_err(shape(load.shape_path(i)))?;
@@ -69,12 +70,16 @@ impl Scenario {
         let mut teams = Vec::new();
         let mut first_robot: u16 = 0;
         for team in &self.teams {
-            let unknown = || String::from("unknown load");
+            let unknown = || Problem::UnknownLoad {
+                team: team.id.clone(),
+                load: team.load.clone(),
+                loads: self.loads.iter().map(|load| load.id.clone()).collect(),
+            };
             let load = self.loads.iter().position(|load| load.id == team.load).ok_or_else(unknown)?;
             let model = team.robots.model();
             let formation = team
                 .formation(&loads[load].polygon)
-                .map_err(|error| format!("{error}"))?;
+                .map_err(|error| Problem::Formation { team: team.id.clone(), error })?;
             let robots = formation.slots().len();
             teams.push(TeamInstance { load: LoadId(load as u16), model, formation, first_robot: RobotId(first_robot) });
             first_robot = first_robot.saturating_add(robots as u16);
@@ -146,14 +151,7 @@ impl Team {
     pub fn formation(&self, load: &ConvexPolygon) -> Result<Formation, FormationError> {
         let formation = &self.formation;
         let radius = self.robots.model().radius;
-        Formation::new(
-            load,
-            &formation.slots,
-            self.robots.count,
-            formation.contact_placement,
-            formation.gap,
-            radius,
-        )
+        Formation::new(load, &formation.slots, self.robots.count, formation.contact_placement, formation.gap, radius)
     }
 }
 
