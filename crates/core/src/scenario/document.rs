@@ -365,7 +365,7 @@ pub struct Formation {
     #[serde(default)]
     #[garde(dive)]
     pub slots: Slots,
-    /// Distance of the outer slots from the corner along the edge, m ([R2P2] Table III, c).
+    /// Distance of the outer slots from the corner along the edge, m (R2P2, Table III, c).
     #[serde(default = "Formation::default_contact_placement")]
     #[garde(range(min = 0.0, max = 50.0))]
     pub contact_placement: f64,
@@ -393,10 +393,10 @@ impl Formation {
 #[serde(rename_all = "snake_case")]
 #[garde(allow_unvalidated)]
 pub enum Slots {
-    /// Two on each long side, one at each short end ([R2P2] Fig. 4).
+    /// Two on each long side, one at each short end (R2P2, Fig. 4).
     #[default]
     Six,
-    /// Two on each long side ([R2P2] §VII).
+    /// Two on each long side (R2P2, §VII).
     Four,
     /// Any places on the load's edges, one per robot.
     Custom(#[garde(length(min = 1, max = 64), dive)] Vec<CustomSlot>),

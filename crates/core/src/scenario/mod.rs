@@ -173,7 +173,8 @@ fn yaml_problem(error: &serde_saphyr::Error) -> Problem {
     use serde_saphyr::Error;
     let full = error.to_string();
     let line = full.lines().next().unwrap_or_default();
-    let message = line.rsplit_once(" at line ").map_or(line, |(message, _)| message).to_owned();
+    let message = line.rsplit_once(" at line ").map_or(line, |(message, _)| message);
+    let message = message.trim_start_matches("budget breached: ").to_owned();
     match error {
         Error::AliasError { error, .. } => yaml_problem(error),
         Error::DuplicateMappingKey { key: Some(key), .. } => Problem::DuplicateKey { key: tree::abbreviated(key) },
