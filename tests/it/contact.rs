@@ -124,7 +124,10 @@ fn off_centre_push_turns_the_load_as_the_exact_limit_surface_says() {
             run(&mut *world, &[push], 10.0);
             let turned = yaw(&world.load_pose(LOAD)).to_degrees().abs();
             println!("{kind:?} {offset} m: {turned:.2}° (closed form {exact_deg:.2}°)");
-            assert!((turned / expected_deg - 1.0).abs() < 0.05, "{kind:?} {offset} m: {turned}°, expected {expected_deg}°");
+            assert!(
+                (turned / expected_deg - 1.0).abs() < 0.05,
+                "{kind:?} {offset} m: {turned}°, expected {expected_deg}°"
+            );
         }
     }
 }

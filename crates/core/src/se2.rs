@@ -132,7 +132,9 @@ pub fn yaw(pose: &Pose2) -> f64 {
 
 /// Whether every number of a pose is finite.
 pub fn is_finite(pose: &Pose2) -> bool {
-    pose.translation.vector.iter().all(|v| v.is_finite()) && pose.rotation.re.is_finite() && pose.rotation.im.is_finite()
+    pose.translation.vector.iter().all(|v| v.is_finite())
+        && pose.rotation.re.is_finite()
+        && pose.rotation.im.is_finite()
 }
 
 /// Exponential: the displacement of a body that keeps `twist` (body frame) for one unit of time.

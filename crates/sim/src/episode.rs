@@ -10,8 +10,8 @@ use cohaul_core::control::r2p2::{Parameters, R2p2, Task};
 use cohaul_core::control::{Command, Decision, Observation, Step, Stepper, StopFlags};
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::RobotId;
-use cohaul_core::scenario::document::{Controller, GroundModel, Scenario};
 use cohaul_core::scenario::Instance;
+use cohaul_core::scenario::document::{Controller, GroundModel, Scenario};
 use cohaul_core::se2::{Pose2, pose};
 use cohaul_core::time::Time;
 use nalgebra::Vector2;
@@ -242,7 +242,11 @@ impl Episode {
 ///
 /// # Errors
 /// Those of [`Episode::new`] and of the recorder.
-pub fn run(scenario: &Scenario, recorder: &mut dyn Recorder, stop: &mut dyn FnMut(Time, Time) -> bool) -> Result<Outcome, SimError> {
+pub fn run(
+    scenario: &Scenario,
+    recorder: &mut dyn Recorder,
+    stop: &mut dyn FnMut(Time, Time) -> bool,
+) -> Result<Outcome, SimError> {
     let mut episode = Episode::new(scenario)?;
     let mut next_question = Time::ZERO;
     loop {

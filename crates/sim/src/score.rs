@@ -14,8 +14,8 @@ use cohaul_core::control::Command;
 use cohaul_core::geometry::query::distance_polygon_circle;
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::{LoadId, RobotId};
-use cohaul_core::scenario::document::Scenario;
 use cohaul_core::scenario::Instance;
+use cohaul_core::scenario::document::Scenario;
 use cohaul_core::se2::{Pose2, position, wrap_angle, yaw};
 use cohaul_core::transport::formation::CagingPair;
 use nalgebra::Vector2;
@@ -147,7 +147,8 @@ impl Score {
                 }
             }
             for obstacle in &self.obstacles {
-                self.min_clearance = self.min_clearance.min(distance_polygon_circle(obstacle, &Pose2::identity(), &at, self.radii[a]));
+                self.min_clearance =
+                    self.min_clearance.min(distance_polygon_circle(obstacle, &Pose2::identity(), &at, self.radii[a]));
             }
         }
         let mut all_reached = true;
@@ -209,9 +210,8 @@ impl TeamScore {
         self.deviation_squared += deviation * deviation;
         self.deviation_max = self.deviation_max.max(deviation);
         self.looks += 1;
-        let open = |pair: &CagingPair| {
-            (robot(pair.first) - robot(pair.second)).norm() - 2.0 * self.radius >= pair.limit
-        };
+        let open =
+            |pair: &CagingPair| (robot(pair.first) - robot(pair.second)).norm() - 2.0 * self.radius >= pair.limit;
         if self.pairs.iter().any(open) {
             *violation += dt;
         }
@@ -224,9 +224,8 @@ impl TeamScore {
                 (robot(*place) - slot.coords).norm() > LEFT_SLOT
             })
             .count();
-        let outside = workspace.is_some_and(|[x0, y0, x1, y1]| {
-            !(*x0..=*x1).contains(&center.x) || !(*y0..=*y1).contains(&center.y)
-        });
+        let outside = workspace
+            .is_some_and(|[x0, y0, x1, y1]| !(*x0..=*x1).contains(&center.x) || !(*y0..=*y1).contains(&center.y));
         strayed >= 2
             || outside
             || (to - center).norm() > self.leg + RECEDED

@@ -63,7 +63,13 @@ impl SensorSystem {
     /// Starts measuring `world` at its first instant; `loads_of` names the load of each robot.
     ///
     /// Every robot begins with one sound sample; the later ones come at the set rate with a random phase.
-    pub fn new(settings: Sensors, world: &dyn World, loads: usize, loads_of: &[LoadId], mut random: ChaCha8Rng) -> Self {
+    pub fn new(
+        settings: Sensors,
+        world: &dyn World,
+        loads: usize,
+        loads_of: &[LoadId],
+        mut random: ChaCha8Rng,
+    ) -> Self {
         let period_nanos = (1e9 / settings.rate_hz).round() as i64;
         let receivers = loads_of
             .iter()

@@ -317,7 +317,11 @@ fn ellipsoid(radius: f64, inertia: Inertia, free: Vector3<f64>, limit: f64) -> V
     let mut high = (free.x.hypot(free.y).powi(2) + square * free.z * free.z).sqrt();
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        if at(middle).2 > 0.0 { low = middle } else { high = middle }
+        if at(middle).2 > 0.0 {
+            low = middle
+        } else {
+            high = middle
+        }
         if high - low <= 1e-13 * high {
             break;
         }

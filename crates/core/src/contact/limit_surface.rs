@@ -40,7 +40,8 @@ pub enum LimitSurface {
 }
 
 /// Abscissas and weights on [−1, 1], positive half, of the Gauss–Legendre rules used here.
-const GAUSS_4: [(f64, f64); 2] = [(0.339_981_043_584_856_3, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_8)];
+const GAUSS_4: [(f64, f64); 2] =
+    [(0.339_981_043_584_856_3, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_8)];
 const GAUSS_8: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -205,9 +206,15 @@ mod tests {
     fn fan_of_triangles_agrees_with_the_closed_form() {
         let v = Vector2::new;
         let corner = 1e-6; // a fifth corner that moves no area to speak of
-        let polygon = ConvexPolygon::new(&[v(-0.175, -0.675), v(0.175, -0.675), v(0.175 + corner, 0.0), v(0.175, 0.675), v(-0.175, 0.675)])
-            .unwrap()
-            .centred();
+        let polygon = ConvexPolygon::new(&[
+            v(-0.175, -0.675),
+            v(0.175, -0.675),
+            v(0.175 + corner, 0.0),
+            v(0.175, 0.675),
+            v(-0.175, 0.675),
+        ])
+        .unwrap()
+        .centred();
         let surface = LimitSurface::exact(&polygon);
         let LimitSurface::Exact(points) = &surface else { unreachable!() };
         assert!((points.iter().map(|p| p.weight).sum::<f64>() - 1.0).abs() < 1e-12);

@@ -377,10 +377,9 @@ impl R2p2 {
             }
             Role::Support => match p.support {
                 Support::Park => Command::STOP,
-                Support::Literal => Command {
-                    linear: support_speed(load_speed, s.load_twist.angular, lever),
-                    angular: turn_rate,
-                },
+                Support::Literal => {
+                    Command { linear: support_speed(load_speed, s.load_twist.angular, lever), angular: turn_rate }
+                }
                 Support::Track => {
                     // the slot's velocity along the robot's axis, plus a pull back to the slot
                     let center = self.slot.center(self.radius, self.gap);

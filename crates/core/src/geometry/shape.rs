@@ -21,7 +21,9 @@ pub enum ShapeError {
         index: usize,
     },
     /// The boundary turns right somewhere (or winds around twice), or two vertices coincide.
-    #[error("the polygon is not convex at vertex {index} (vertices must go round once, counter-clockwise or clockwise)")]
+    #[error(
+        "the polygon is not convex at vertex {index} (vertices must go round once, counter-clockwise or clockwise)"
+    )]
     NotConvex {
         /// Index of the vertex, in the order given.
         index: usize,

@@ -48,8 +48,7 @@ pub enum Primitive {
 
 impl Primitive {
     /// Every primitive, in the order of their numbers in logs.
-    pub const ALL: [Self; 3] =
-        [Self::Rotate(Turn::Counterclockwise), Self::Rotate(Turn::Clockwise), Self::Translate];
+    pub const ALL: [Self; 3] = [Self::Rotate(Turn::Counterclockwise), Self::Rotate(Turn::Clockwise), Self::Translate];
 }
 
 /// Bearing θ_R of `target` from `center`, both in the world, m; rad in (−π, π].

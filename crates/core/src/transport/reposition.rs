@@ -128,8 +128,11 @@ mod tests {
         let wanted_gap = 0.01;
         for i in 0..200 {
             let a = f64::from(i) * 0.618_034;
-            let mut deviation =
-                Deviation { tangential: 0.4 * a.sin(), gap: 0.06 + 0.05 * (1.7 * a).cos(), heading: wrap_angle(2.6 * a) };
+            let mut deviation = Deviation {
+                tangential: 0.4 * a.sin(),
+                gap: 0.06 + 0.05 * (1.7 * a).cos(),
+                heading: wrap_angle(2.6 * a),
+            };
             let mut phase = manoeuvre.first_phase(&deviation);
             let mut ticks = 0;
             while phase != Phase::Work {

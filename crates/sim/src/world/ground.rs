@@ -63,8 +63,7 @@ impl Body {
             free.z - ground.z,
         );
         let breaks_away = self.limit_at_rest > self.limit && self.solver.at_rest();
-        let mut after =
-            self.solver.solve(&relative, if breaks_away { self.limit_at_rest } else { self.limit });
+        let mut after = self.solver.solve(&relative, if breaks_away { self.limit_at_rest } else { self.limit });
         if breaks_away && !self.solver.at_rest() {
             after = self.solver.solve(&relative, self.limit);
         }
@@ -123,8 +122,7 @@ impl<E: Engine> GroundedWorld<E> {
                 friction: Vector3::zeros(),
             });
         }
-        let drives =
-            setup.robots.iter().map(|r| Drive { limits: r.model.limits, speeds: Command::STOP }).collect();
+        let drives = setup.robots.iter().map(|r| Drive { limits: r.model.limits, speeds: Command::STOP }).collect();
         let gravity = setup.slope.tangential * step;
         Self {
             engine,
