@@ -1,4 +1,6 @@
 //! Tests across crates, in one binary.
 
+mod allocations;
 mod contact;
+mod missions;
 mod scenarios;

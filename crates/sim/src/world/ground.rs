@@ -137,13 +137,17 @@ impl<E: Engine> GroundedWorld<E> {
                 friction: Vector3::zeros(),
             });
         }
-        let drives = setup.robots.iter().map(|r| Drive {
+        let drives = setup
+            .robots
+            .iter()
+            .map(|r| Drive {
                 limits: r.model.limits,
                 speeds: Command::STOP,
                 actual: Command::STOP,
                 traction: 0.0,
                 power: 0.0,
-            }).collect();
+            })
+            .collect();
         let gravity = setup.slope.tangential * step;
         Self {
             engine,
