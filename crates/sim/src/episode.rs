@@ -95,8 +95,7 @@ pub fn controller(
     let spec = &scenario.teams[team];
     let built = &instance.teams[team];
     let (low, high) = instance.load_polygon(built.load.index()).bounds();
-    let mut waypoints: Vec<Vector2<f64>> = spec.mission.waypoints.iter().map(|p| Vector2::new(p.x, p.y)).collect();
-    waypoints.push(Vector2::new(spec.mission.goal.x, spec.mission.goal.y));
+    let waypoints = spec.mission.points().map(|p| Vector2::new(p.x, p.y)).collect();
     let Controller::R2p2(keys) = &spec.controller;
     let task = Task {
         formation: &built.formation,

@@ -2,7 +2,7 @@
 
 use cohaul_core::control::ControlError;
 use cohaul_core::record::RecordError;
-use cohaul_core::scenario::Problem;
+use cohaul_core::scenario::{Problem, ScenarioError};
 
 /// Why an episode could not be run, recorded or replayed.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +14,16 @@ pub enum SimError {
     /// A controller refuses its parameters.
     #[error("controller cannot be built")]
     Control(#[from] ControlError),
+    /// A scenario taken from a log is not valid.
+    #[error(transparent)]
+    Parse(#[from] ScenarioError),
+    /// The scenario cannot be written out.
+    #[error("scenario cannot be written out: {0}")]
+    Text(#[from] cohaul_core::scenario::TextError),
     /// The log cannot be written or read.
-    #[error("log failed")]
+    #[error(transparent)]
     Record(#[from] RecordError),
+    /// The log makes no sense as a whole.
+    #[error("log cannot be replayed: {0}")]
+    Replay(String),
 }

@@ -3,8 +3,10 @@
 
 pub mod episode;
 pub mod error;
+pub mod mission;
 pub mod outcome;
 pub mod page;
+pub mod replay;
 mod score;
 pub mod sensor;
 pub mod world;

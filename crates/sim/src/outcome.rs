@@ -69,3 +69,35 @@ pub struct Outcome {
     /// Time during which the robots did not enclose the load's centre, s.
     pub caging_violation_s: f64,
 }
+
+impl Outcome {
+    /// As one JSON object, with the names of `--json`.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// Rows of a table for people: label and value with unit.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let share = 100.0 * self.reposition_time_s / self.time_s.max(f64::MIN_POSITIVE);
+        [
+            ("outcome", self.outcome.name().replace('_', " ")),
+            ("time", format!("{:.1} s", self.time_s)),
+            ("final distance", format!("{:.3} m", self.final_error_m)),
+            ("final heading error", format!("{:.1}°", self.final_yaw_error_rad.to_degrees())),
+            ("waypoints reached", self.waypoints_reached.to_string()),
+            ("repositionings", format!("{} ({share:.0} % of the time)", self.repositions)),
+            ("path of the load", format!("{:.2} m", self.path_length_m)),
+            (
+                "deviation from the path",
+                format!("{:.3} m rms, {:.3} m max", self.path_deviation_rms_m, self.path_deviation_max_m),
+            ),
+            ("least distance of robots", format!("{:.3} m", self.min_robot_distance_m)),
+            ("least clearance", format!("{:.3} m", self.min_clearance_m)),
+            ("traction work", format!("{:.1} J", self.energy_j)),
+            ("control effort", format!("{:.1}", self.control_effort)),
+            ("cage open", format!("{:.2} s", self.caging_violation_s)),
+        ]
+        .map(|(label, value)| (label.to_owned(), value))
+        .to_vec()
+    }
+}

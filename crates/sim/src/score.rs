@@ -79,7 +79,7 @@ impl Score {
                 let mission = &scenario.teams[team].mission;
                 let start = position(&world.load_pose(built.load));
                 let mut path = vec![start];
-                path.extend(mission.waypoints.iter().chain([&mission.goal]).map(|p| Vector2::new(p.x, p.y)));
+                path.extend(mission.points().map(|p| Vector2::new(p.x, p.y)));
                 TeamScore {
                     load: built.load,
                     first_robot: built.first_robot.index(),

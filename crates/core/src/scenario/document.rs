@@ -452,6 +452,11 @@ pub struct Mission {
 }
 
 impl Mission {
+    /// The waypoints and the goal, in the order in which the load passes them.
+    pub fn points(&self) -> impl Iterator<Item = &Point> {
+        self.waypoints.iter().chain([&self.goal])
+    }
+
     const fn default_tolerance() -> f64 {
         0.10
     }

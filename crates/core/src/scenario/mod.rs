@@ -49,6 +49,8 @@ use garde::Validate;
 pub use instance::{Instance, LoadInstance, TeamInstance};
 pub use overrides::Override;
 pub use schema::schema;
+/// Why a scenario could not be written out as text.
+pub use serde_saphyr::SerializeError as TextError;
 use tree::{Node, Place, Span};
 
 /// Largest scenario file, bytes. Read no more than one byte beyond it: a longer file is refused anyway.
@@ -125,7 +127,7 @@ impl Scenario {
     ///
     /// # Errors
     /// None for a scenario that came from [`parse`].
-    pub fn to_yaml(&self) -> Result<String, serde_saphyr::SerializeError> {
+    pub fn to_yaml(&self) -> Result<String, TextError> {
         serde_saphyr::to_string(self)
     }
 }
