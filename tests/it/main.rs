@@ -1,4 +1,5 @@
 //! Tests across crates, in one binary.
+#![expect(clippy::disallowed_methods, reason = "tests read files, the clock and UPDATE_GOLDEN")]
 
 mod contact;
 mod scenarios;
