@@ -12,8 +12,6 @@ PIP := $(VENV)/bin/python -m pip --disable-pip-version-check --quiet
 PINS := tests/python/requirements.txt
 DEMO := flat uphill downhill
 
-# the same interpreter in every build: another one would compile the bindings again
-export PYO3_PYTHON := $(CURDIR)/$(VENV)/bin/python
 # a missing toolchain is said by .ci/prerequisites, not mended behind the user's back
 export MATURIN_NO_INSTALL_RUST := 1
 
@@ -33,7 +31,7 @@ test: ## everything CI runs
 	@.ci/timed "make test" $(MAKE) --no-print-directory check python-test
 
 .PHONY: check
-check: $(VENV)/ready ## format, lints, Rust tests, documentation
+check: ## format, lints, Rust tests, documentation
 	@.ci/timed format cargo fmt --all --check
 	@.ci/timed lints cargo clippy --release --locked --workspace --all-targets -- --deny warnings
 	@.ci/timed "Rust tests" cargo test --release --locked --workspace
@@ -46,7 +44,10 @@ python-test: install $(VENV)/tests-ready
 
 .PHONY: install
 install: $(VENV)/ready ## build the Python package and install it into .venv
-	@.ci/timed wheel $(PIP) install --no-build-isolation --no-deps --force-reinstall .
+	@rm -rf target/wheel
+	@.ci/timed wheel $(VENV)/bin/maturin build --release --locked --compatibility linux \
+		--interpreter $(VENV)/bin/python --out target/wheel
+	@$(PIP) install --no-deps --force-reinstall target/wheel/*.whl
 
 .PHONY: bench
 bench: ## measure speeds
