@@ -1,12 +1,15 @@
 //! Worlds, episodes, and the `cohaul` command.
 #![forbid(unsafe_code)]
 
+pub mod cli;
 pub mod episode;
 pub mod error;
+pub mod files;
 pub mod mission;
 pub mod outcome;
 pub mod page;
 pub mod replay;
 mod score;
 pub mod sensor;
+pub mod stopwatch;
 pub mod world;
