@@ -14,7 +14,7 @@ use cohaul_core::time::Time;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 
-use crate::error::SimError;
+use crate::error::{SimError, chain};
 use crate::files::{self, FileError};
 use crate::outcome::End;
 use crate::stopwatch::Stopwatch;
@@ -368,20 +368,6 @@ fn report(error: &FileError, json: bool) -> i32 {
         FileError::Sim(SimError::Record(RecordError::NotALog)) => BAD_INPUT,
         _ => FAILED,
     }
-}
-
-/// An error with its causes, each said once.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        let next = error.to_string();
-        if !text.contains(&next) {
-            text = format!("{text}: {next}");
-        }
-        cause = error.source();
-    }
-    text
 }
 
 /// Simulated time on a terminal.
