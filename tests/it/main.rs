@@ -2,5 +2,6 @@
 
 mod allocations;
 mod contact;
+mod layering;
 mod missions;
 mod scenarios;

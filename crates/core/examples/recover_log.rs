@@ -2,6 +2,7 @@
 
 use cohaul_core::record::recover;
 
+#[expect(clippy::disallowed_methods, reason = "an example opens its files itself")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(input), Some(output)) = (arguments.next(), arguments.next()) else {

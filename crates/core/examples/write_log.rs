@@ -22,6 +22,7 @@ const ROBOTS: u16 = 6;
 const TICK: i64 = 50_000_000;
 const SCENARIO: &str = "schema: cohaul/1\nname: example # größer\n";
 
+#[expect(clippy::disallowed_methods, reason = "an example opens its files itself")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("usage: write_log FILE [TICKS] [--progress]")?;

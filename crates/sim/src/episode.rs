@@ -25,6 +25,10 @@ use crate::sensor::SensorSystem;
 use crate::world::{self, LoadBody, RobotBody, World, WorldSetup};
 
 /// Sees everything that happens in an episode.
+///
+/// # Errors
+/// Each method fails when it cannot record, which ends the episode.
+#[expect(clippy::missing_errors_doc, reason = "said once for all three")]
 pub trait Recorder {
     /// A robot starts with, or is reset to, this controller memory (JSON).
     fn memory(&mut self, time: Time, robot: RobotId, memory: &str) -> Result<(), SimError>;

@@ -130,6 +130,7 @@ impl Points {
         let square = smoothing * smoothing;
         let mut sums = [[0.0; LANES]; 10];
         for group in &mut self.groups {
+            #[expect(clippy::needless_range_loop, reason = "every array runs along the lanes; this shape vectorizes")]
             for lane in 0..LANES {
                 let (x, y, weight) = (group.x[lane], group.y[lane], group.weight[lane]);
                 let (a, b) = (v.x - v.z * y, v.y + v.z * x);
@@ -318,9 +319,9 @@ fn ellipsoid(radius: f64, inertia: Inertia, free: Vector3<f64>, limit: f64) -> V
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
         if at(middle).2 > 0.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
         if high - low <= 1e-13 * high {
             break;

@@ -2,6 +2,7 @@
 //!
 //! A controller is its immutable parameters; what it remembers is its `Memory`. The simulator and the robot run the same
 //! controllers behind the same [`guard`].
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod guard;
 pub mod r2p2;

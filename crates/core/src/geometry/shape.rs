@@ -73,7 +73,7 @@ impl ConvexPolygon {
             let before = vertices[i] - vertices[(i + count - 1) % count];
             let after = vertices[(i + 1) % count] - vertices[i];
             let sine = cross(&before, &after);
-            if !(sine > 1e-12) {
+            if sine.is_nan() || sine <= 1e-12 {
                 return Err(ShapeError::NotConvex { index: original(i) });
             }
             turned += sine.atan2(before.dot(&after));
@@ -154,7 +154,7 @@ impl ConvexPolygon {
 
     /// Greatest distance of a vertex from the origin, m.
     pub fn radius(&self) -> f64 {
-        self.vertices.iter().map(|v| v.norm()).fold(0.0, f64::max)
+        self.vertices.iter().map(Vector2::norm).fold(0.0, f64::max)
     }
 }
 

@@ -387,7 +387,7 @@ fn every_truncation_is_noticed_and_keeps_all_whole_chunks() {
                 assert_eq!(report.messages, before, "{cut} {report:?}");
                 // behind the last byte of data nothing is lost
                 assert!(report.lost_reason.is_some() || before == chunks.last().unwrap().1);
-                assert!(super::tests::read(&saved).1.is_none());
+                assert!(tests::read(&saved).1.is_none());
             }
             Err(error) => assert!(matches!(error, RecordError::NothingLeft { .. }) && before == 0, "{cut}: {error:?}"),
         }

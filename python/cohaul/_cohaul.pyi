@@ -1,0 +1,103 @@
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from numpy import float64
+from numpy.typing import ArrayLike, NDArray
+
+from cohaul.errors import ScenarioWarning
+
+__all__ = [
+    "LimitSurface",
+    "Mission",
+    "REVISION",
+    "Scenario",
+    "VERSION",
+    "cli_main",
+    "recover",
+    "replay",
+    "schema",
+]
+
+VERSION: Final[str]
+REVISION: Final[str]
+
+def cli_main(argv: list[str]) -> int:
+    """Runs the command line `argv`, the program's name first, and returns its exit status."""
+
+def schema() -> str:
+    """JSON Schema of scenario files."""
+
+def replay(path: str | PathLike[str]) -> dict[str, Any]:
+    """Decides the log at `path` anew."""
+
+def recover(path: str | PathLike[str], out: str | PathLike[str] | None) -> dict[str, Any]:
+    """Makes a valid log, at `out` or beside it, of what is left of the log at `path`."""
+
+class Scenario:
+    """A valid scenario."""
+
+    @staticmethod
+    def read(path: str | PathLike[str], changes: list[str]) -> Scenario:
+        """Reads and checks the file at `path`; `changes` are `path=value`."""
+    @staticmethod
+    def parse(text: str, changes: list[str]) -> Scenario:
+        """Checks the YAML `text`; `changes` are `path=value`."""
+    @property
+    def warnings(self) -> list[ScenarioWarning]:
+        """What is allowed, but probably not meant: a list of `ScenarioWarning`."""
+    def run(self, out: str | PathLike[str] | None) -> Mission:
+        """Runs the mission without holding the interpreter; writes log and page into the folder `out`, if any."""
+
+class Mission:
+    """A finished mission."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def world(self) -> str: ...
+    @property
+    def records(self) -> int:
+        """Records in the log, 0 without one."""
+    @property
+    def files(self) -> tuple[Path, Path] | None:
+        """Log and page."""
+    @property
+    def seconds(self) -> tuple[float, float]:
+        """CPU and wall time, s."""
+    @property
+    def scenario(self) -> str:
+        """The scenario as YAML, everything drawn and every key written out."""
+    def json(self) -> str:
+        """How it ended, as a JSON object."""
+    def traces(self) -> dict[str, NDArray[Any]]:
+        """What happened: arrays by name."""
+    def rows(self) -> list[tuple[str, str]]:
+        """Label and value of every row of the table of results."""
+    def html(self) -> str:
+        """The replay page."""
+    def picture(self) -> str:
+        """The picture, SVG."""
+
+class LimitSurface:
+    """Which friction wrench a load feels while it slides over the ground.
+
+    Uniform pressure over the footprint. `model="exact"` is dry friction at every point of it, `"ellipsoid"` the ellipsoid
+    with the same friction radius. Sources: [Goyal1991], [Howe1996].
+    """
+
+    @staticmethod
+    def rectangle(*, along_x: float, along_y: float, model: Literal["exact", "ellipsoid"] = "exact") -> LimitSurface:
+        """Of a rectangle `along_x` by `along_y` [m] centred on the origin."""
+    @staticmethod
+    def polygon(vertices: ArrayLike, *, model: Literal["exact", "ellipsoid"] = "exact") -> LimitSurface:
+        """Of a convex polygon with `vertices` (n, 2) [m], moved so that its centroid is the origin."""
+    def wrench(self, *, twist: ArrayLike, limit: float) -> NDArray[float64]:
+        """Friction wrench (3,) [N, N, N·m] on a load that slides with `twist` (3,) [m/s, m/s, rad/s], both in the load's frame;
+        `limit` [N] is the friction coefficient times the normal force. Zero at rest."""
+    def dissipation(self, *, twist: ArrayLike) -> float:
+        """Friction power per unit of limit force [m/s] at `twist` (3,) [m/s, m/s, rad/s]."""
+    def friction_radius(self) -> float:
+        """Largest torque over largest force [m]."""
