@@ -2,4 +2,5 @@
 #![expect(clippy::disallowed_methods, reason = "tests read files, the clock and UPDATE_GOLDEN")]
 
 mod contact;
+mod layering;
 mod scenarios;

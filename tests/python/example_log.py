@@ -10,8 +10,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @cache
 def example(name: str) -> Path:
-    """Path of an example program of cohaul-core, built if need be."""
-    build = ["cargo", "build", "--quiet", "--release", "-p", "cohaul-core", "--features", "mcap", "--example", name]
+    """Path of an example program, built if need be."""
+    # the whole workspace: a package alone would be compiled with other features of its dependencies
+    build = ["cargo", "build", "--quiet", "--release", "--workspace", "--example", name]
     subprocess.run(build, cwd=ROOT, check=True)
     return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / name
 

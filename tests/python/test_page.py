@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from example_log import example
 
 selenium = pytest.importorskip("selenium")
 from selenium import webdriver  # noqa: E402
@@ -19,7 +20,6 @@ from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
 CHROMIUM = shutil.which("chromium")
 DRIVER = shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="no chromium or no chromedriver")
@@ -32,8 +32,7 @@ POSE_TOLERANCE = 1e-4
 def sample_mission(tmp_path_factory):
     """Page of the made-up mission and the final pose (x, y, yaw) of its load, m and rad."""
     stem = tmp_path_factory.mktemp("page") / "sample"
-    command = ["cargo", "run", "--release", "--quiet", "-p", "cohaul-sim", "--example", "sample_page", "--", str(stem)]
-    done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    done = subprocess.run([example("sample_page"), stem], check=True, capture_output=True, text=True)
     pose = tuple(float(number) for number in done.stdout.split())
     return stem.with_suffix(".html"), pose
 

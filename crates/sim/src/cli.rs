@@ -133,13 +133,9 @@ pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
     };
     match cli.command {
         Verb::Run(arguments) => {
-            let json = arguments.common.json;
-            run(arguments, interrupted).unwrap_or_else(|error| report(&error, json))
+            run(&arguments, interrupted).unwrap_or_else(|error| report(&error, arguments.common.json))
         }
-        Verb::Check(arguments) => {
-            let json = arguments.common.json;
-            check(&arguments).unwrap_or_else(|error| report(&error, json))
-        }
+        Verb::Check(arguments) => check(&arguments).unwrap_or_else(|error| report(&error, arguments.common.json)),
         Verb::Schema => {
             say(&scenario::schema());
             DONE
@@ -180,7 +176,7 @@ fn parse(file: &Path, common: &Common, world: Option<World>) -> Result<Parsed, F
     Ok(parsed)
 }
 
-fn run(arguments: Run, interrupted: &dyn Fn() -> bool) -> Result<i32, FileError> {
+fn run(arguments: &Run, interrupted: &dyn Fn() -> bool) -> Result<i32, FileError> {
     let parsed = parse(&arguments.file, &arguments.common, arguments.world)?;
     let scenario = files::draw(&parsed, arguments.seed)?;
     let (seed, world) = (scenario.seed, crate::mission::world_name(scenario.world));

@@ -10,6 +10,7 @@ fn main() -> ExitCode {
     // without a handler Ctrl-C still ends the process, only less politely
     let _ = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
+            #[expect(clippy::disallowed_methods, reason = "the second Ctrl-C does not wait for anything")]
             std::process::exit(cohaul_sim::cli::INTERRUPTED);
         }
     });

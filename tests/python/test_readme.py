@@ -1,0 +1,68 @@
+"""What the README tells people to type works."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+)( test)?\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def blocks(language: str) -> list[str]:
+    """Fenced blocks of a language that are marked to be run."""
+    return [text for name, marked, text in BLOCKS if name == language and marked]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """What the README's commands find around them, to be written to freely."""
+    shutil.copytree(ROOT / "scenarios", tmp_path / "scenarios")
+    return tmp_path
+
+
+def test_the_two_commands_are_make_demo_and_make_test() -> None:
+    unmarked = [text.strip() for name, marked, text in BLOCKS if name == "sh" and not marked]
+    assert unmarked == ["make demo", "make test"]
+    assert set(re.findall(r"\bmake \w+", README)) == {"make demo", "make test"}
+
+
+def test_ci_runs_the_command_of_the_readme() -> None:
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert re.findall(r"^\s*make .*$", script, flags=re.MULTILINE) == ["make test"]
+
+
+@pytest.mark.parametrize("block", blocks("sh"))
+def test_commands_succeed(folder: Path, block: str) -> None:
+    # the console script stands beside the interpreter that runs this
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    command = ["bash", "-euo", "pipefail", "-c", block]
+    done = subprocess.run(command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    for suffix in ("html", "mcap"):
+        assert (folder / "out" / f"flat.{suffix}").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("block", blocks("python"))
+def test_python_runs(folder: Path, block: str) -> None:
+    done = subprocess.run([sys.executable, "-c", block], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("reached ")
+
+
+def test_every_link_leads_somewhere() -> None:
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", README) if "://" not in link]
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_every_subcommand_is_in_the_table() -> None:
+    script = Path(sys.executable).parent / "cohaul"
+    listing = subprocess.run([script, "--help"], capture_output=True, text=True, check=True).stdout
+    commands = re.findall(r"^  (\w+)  ", listing.split("Commands:")[1], flags=re.MULTILINE)
+    told = re.findall(r"^\| `cohaul (\w+)", README, flags=re.MULTILINE)
+    assert sorted(told) == sorted(set(commands) - {"help"})
