@@ -534,7 +534,7 @@ pub struct Physics {
 
 impl Default for Physics {
     fn default() -> Self {
-        Self { step: 0.01, iterations: 4 }
+        Self { step: 0.01, iterations: 2 }
     }
 }
 
