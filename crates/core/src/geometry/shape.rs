@@ -28,6 +28,14 @@ pub enum ShapeError {
         /// Index of the vertex, in the order given.
         index: usize,
     },
+    /// A side of a rectangle is no length.
+    #[error("the rectangle's side along {axis} is {length} m, must be positive")]
+    Side {
+        /// `x` or `y`.
+        axis: char,
+        /// Its length, m.
+        length: f64,
+    },
     /// Nearly no area.
     #[error("the polygon's area {area:.3e} m² is too small (at least 1e-6)")]
     TooSmall {
@@ -104,6 +112,11 @@ impl ConvexPolygon {
     /// # Errors
     /// A side that is not a positive finite number.
     pub fn rectangle(along_x: f64, along_y: f64) -> Result<Self, ShapeError> {
+        for (axis, length) in [('x', along_x), ('y', along_y)] {
+            if !(length > 0.0 && length.is_finite()) {
+                return Err(ShapeError::Side { axis, length });
+            }
+        }
         let (x, y) = (along_x / 2.0, along_y / 2.0);
         Self::new(&[Vector2::new(-x, -y), Vector2::new(x, -y), Vector2::new(x, y), Vector2::new(-x, y)])
     }
@@ -194,6 +207,14 @@ mod tests {
         assert!((polygon.area() - 0.35 * 1.35).abs() < 1e-12);
         assert!((polygon.second_moment() - (0.35_f64.powi(2) + 1.35_f64.powi(2)) / 12.0).abs() < 1e-12);
         assert!(polygon.centroid().norm() < 1e-12);
+    }
+
+    /// The product of two negative sides is a good area, and once passed for one.
+    #[test]
+    fn sides_that_are_no_lengths_are_refused() {
+        for (x, y) in [(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (0.0, 1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+            assert!(matches!(ConvexPolygon::rectangle(x, y), Err(ShapeError::Side { .. })), "{x} {y}");
+        }
     }
 
     #[test]
