@@ -70,7 +70,8 @@ class Traces:
     """The state of everything, 20 times per second and at the end, as read-only arrays.
 
     T instants, L loads, R robots, K teams, each in the order of the scenario (robots team by team). Poses are
-    (x, y, yaw) in the world [m, m, rad].
+    (x, y, yaw) in the world [m, m, rad]. What a robot decided is that of its last decision; before its first one, within
+    the first control period, commands and errors are 0 and role and primitive are -1.
     """
 
     time: NDArray[float64]
