@@ -274,6 +274,15 @@ fn any_name() -> impl Strategy<Value = String> {
     prop_oneof!["[A-Za-z0-9_-]{1,64}", proptest::sample::select(ODD).prop_map(str::to_owned)]
 }
 
+/// The nearest id to a name: words that YAML could take for something else stay as they are.
+fn id_like(name: &str) -> String {
+    let mut id = name.replace('-', "_");
+    if id.starts_with(|c: char| c.is_ascii_digit()) {
+        id.replace_range(..1, "_");
+    }
+    id
+}
+
 prop_compose! {
     /// Scenarios that reach the corners of what YAML can write: odd names, any text, any digits.
     fn any_scenario()(
@@ -296,8 +305,9 @@ prop_compose! {
         scenario.seed = seed;
         scenario.loads[0].mass = mass;
         scenario.loads[0].pose.yaw_deg = yaw_deg;
-        (scenario.teams[0].id, scenario.teams[0].load) = (name.clone(), name.clone());
-        scenario.loads[0].id = name;
+        let id = id_like(&name);
+        (scenario.teams[0].id, scenario.teams[0].load) = (id.clone(), id.clone());
+        scenario.loads[0].id = id;
         (scenario.teams[0].mission.goal.x, scenario.teams[0].mission.goal.y) = goal;
         let Controller::R2p2(r2p2) = &mut scenario.teams[0].controller;
         (r2p2.speed_min, r2p2.wrap) = (speed_min, wrap);

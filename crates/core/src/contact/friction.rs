@@ -238,7 +238,7 @@ fn is_held(points: &Points, momentum: &Vector3<f64>, limit: f64) -> bool {
     if !points.centred {
         return false;
     }
-    let force = momentum.x.hypot(momentum.y) / limit;
+    let force = momentum.xy().norm() / limit;
     let spin = momentum.z / (limit * points.second_moment);
     if force + spin.abs() * points.radius <= 1.0 {
         return true;
@@ -279,7 +279,7 @@ fn newton(points: &mut Points, inertia: Inertia, last: Vector3<f64>, free: Vecto
         let moved = step.x.abs() + step.y.abs() + gyration * step.z.abs();
         let next = v + step;
         let size = next.x.abs() + next.y.abs() + gyration * next.z.abs();
-        if moved < 0.05 * smoothing + 1e-6 * size {
+        if moved < 0.05 * smoothing + 1e-5 * size {
             v = next;
             break;
         }
@@ -295,14 +295,14 @@ fn newton(points: &mut Points, inertia: Inertia, last: Vector3<f64>, free: Vecto
             at = points.evaluate(&v, limit, smoothing);
         }
     }
-    if v.x.hypot(v.y) + points.radius * v.z.abs() < rest { Vector3::zeros() } else { v }
+    if v.xy().norm() + points.radius * v.z.abs() < rest { Vector3::zeros() } else { v }
 }
 
 /// The same problem with D = √(|v|² + c²ω²): one scalar equation for s = D(V⁺).
 fn ellipsoid(radius: f64, inertia: Inertia, free: Vector3<f64>, limit: f64) -> Vector3<f64> {
     let Inertia { mass, moment } = inertia;
     let square = radius * radius;
-    let linear = mass * free.x.hypot(free.y);
+    let linear = mass * free.xy().norm();
     let angular = moment * free.z.abs();
     // held if the momentum lies inside the ellipsoid of impulses
     if (linear / limit).powi(2) + (angular / (limit * radius)).powi(2) <= 1.0 {
@@ -315,7 +315,7 @@ fn ellipsoid(radius: f64, inertia: Inertia, free: Vector3<f64>, limit: f64) -> V
         (a, b, a * a + square * b * b - s * s)
     };
     let mut low = 0.0;
-    let mut high = (free.x.hypot(free.y).powi(2) + square * free.z * free.z).sqrt();
+    let mut high = (free.xy().norm().powi(2) + square * free.z * free.z).sqrt();
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
         if at(middle).2 > 0.0 {

@@ -12,13 +12,26 @@ pub use r2p2::{Prevent, R2p2, Stance, Support, Variant};
 
 const NAME_PATTERN: &str = "^[A-Za-z0-9_-]{1,64}$";
 
-/// Names become parts of file names and of topics.
+/// A mission's name becomes part of file names.
 fn is_name(text: &str, _: &()) -> garde::Result {
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if (1..=64).contains(&text.len()) && text.chars().all(allowed) {
         Ok(())
     } else {
         Err(garde::Error::new("not a name of 1 to 64 letters, digits, `_` and `-`"))
+    }
+}
+
+const ID_PATTERN: &str = "^[A-Za-z_][A-Za-z0-9_]{0,63}$";
+
+/// An id becomes part of topics.
+fn is_id(text: &str, _: &()) -> garde::Result {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let starts = text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    if starts && text.len() <= 64 && text.chars().all(allowed) {
+        Ok(())
+    } else {
+        Err(garde::Error::new("not an id of 1 to 64 letters, digits and `_` that starts with a letter or `_`"))
     }
 }
 
@@ -179,8 +192,8 @@ pub enum GroundModel {
 #[garde(allow_unvalidated)]
 pub struct Load {
     /// Name by which teams refer to it.
-    #[garde(custom(is_name))]
-    #[schemars(regex(pattern = NAME_PATTERN))]
+    #[garde(custom(is_id))]
+    #[schemars(regex(pattern = ID_PATTERN))]
     pub id: String,
     /// Footprint.
     #[garde(dive)]
@@ -256,8 +269,8 @@ pub struct Pose {
 #[garde(allow_unvalidated)]
 pub struct Team {
     /// Name.
-    #[garde(custom(is_name))]
-    #[schemars(regex(pattern = NAME_PATTERN))]
+    #[garde(custom(is_id))]
+    #[schemars(regex(pattern = ID_PATTERN))]
     pub id: String,
     /// The load's `id`.
     pub load: String,
@@ -534,7 +547,7 @@ pub struct Physics {
 
 impl Default for Physics {
     fn default() -> Self {
-        Self { step: 0.01, iterations: 4 }
+        Self { step: 0.01, iterations: 2 }
     }
 }
 

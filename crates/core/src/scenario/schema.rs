@@ -99,8 +99,11 @@ impl Key {
         let (kind, low, high) = if self.is("array") {
             ("a list whose length is", bound("minItems"), bound("maxItems"))
         } else if self.is("string") {
-            if self.schema.get("pattern").is_some() {
-                return "1 to 64 letters, digits, `_` and `-`".to_owned();
+            if let Some(pattern) = self.schema.get("pattern").and_then(|p| p.as_str()) {
+                let starts = if pattern.contains("[A-Za-z_]") { ", the first no digit" } else { "" };
+                let signs =
+                    if pattern.contains("_-") { "letters, digits, `_` and `-`" } else { "letters, digits and `_`" };
+                return format!("1 to 64 {signs}{starts}");
             }
             ("a text whose length is", bound("minLength"), bound("maxLength"))
         } else if self.is("object") {

@@ -7,6 +7,10 @@
 //! 3. the engine steps; the velocity balance gives the contact impulse, J_c = M (V₁ − V₀) − P − M g Δt;
 //! 4. the velocity is corrected with friction answering to that impulse, V = friction(V₀ + M⁻¹J_c + g Δt).
 //!
+//! The engine advances positions with the velocity after each of its n sub-steps, which falls short of the mean velocity
+//! by ΔV/2n where it changes by ΔV in the step. Step 2 therefore hands over V₀ − ΔV/2n: the distance travelled is that
+//! of uniform acceleration, whatever n.
+//!
 //! While a body sticks, the prediction error telescopes over the steps; while it slides, steps 1 and 3 alternate on one
 //! convex problem. At a fixed point both agree exactly: no creep at rest, exact stopping distances.
 //!
@@ -49,6 +53,8 @@ struct Body {
     contact: Vector3<f64>,
     /// Velocity before the step, world frame.
     before: Vector3<f64>,
+    /// The same as handed to the engine.
+    handed: Vector3<f64>,
     /// Friction impulse of the step, world frame.
     friction: Vector3<f64>,
 }
@@ -76,6 +82,11 @@ impl Body {
 struct Drive {
     limits: UnicycleLimits,
     speeds: Command,
+    /// Forward speed and yaw rate of the robot after the last step.
+    actual: Command,
+    /// Force of the ground on the robot in the last step, N, and the power it fed in, W.
+    traction: f64,
+    power: f64,
 }
 
 /// A world: an engine with ground under it.
@@ -86,6 +97,8 @@ pub(super) struct GroundedWorld<E> {
     drives: Vec<Drive>,
     gravity: Vector3<f64>,
     step: f64,
+    /// 1/2n for n sub-steps of the engine.
+    lead: f64,
     step_nanos: i64,
     time: Time,
 }
@@ -104,6 +117,7 @@ impl<E: Engine> GroundedWorld<E> {
                 limit_at_rest: setup.friction_static * normal,
                 contact: Vector3::zeros(),
                 before: Vector3::zeros(),
+                handed: Vector3::zeros(),
                 friction: Vector3::zeros(),
             });
             engine.set_twist(index, &load.twist);
@@ -119,10 +133,21 @@ impl<E: Engine> GroundedWorld<E> {
                 limit_at_rest: limit,
                 contact: Vector3::zeros(),
                 before: Vector3::zeros(),
+                handed: Vector3::zeros(),
                 friction: Vector3::zeros(),
             });
         }
-        let drives = setup.robots.iter().map(|r| Drive { limits: r.model.limits, speeds: Command::STOP }).collect();
+        let drives = setup
+            .robots
+            .iter()
+            .map(|r| Drive {
+                limits: r.model.limits,
+                speeds: Command::STOP,
+                actual: Command::STOP,
+                traction: 0.0,
+                power: 0.0,
+            })
+            .collect();
         let gravity = setup.slope.tangential * step;
         Self {
             engine,
@@ -131,6 +156,7 @@ impl<E: Engine> GroundedWorld<E> {
             drives,
             gravity: Vector3::new(gravity.x, gravity.y, 0.0),
             step,
+            lead: 0.5 / f64::from(setup.iterations),
             step_nanos: setup.step_nanos,
             time: Time::ZERO,
         }
@@ -176,20 +202,15 @@ impl<E: Engine> World for GroundedWorld<E> {
     }
 
     fn robot_speeds(&self, robot: RobotId) -> Command {
-        let body = self.robot_body(robot);
-        let twist = self.engine.twist(body);
-        Command { linear: heading(&self.engine.pose(body)).dot(&twist.linear), angular: twist.angular }
+        self.drives[robot.index()].actual
     }
 
     fn traction(&self, robot: RobotId) -> f64 {
-        let friction = &self.bodies[self.robot_body(robot)].friction;
-        friction.x.hypot(friction.y) / self.step
+        self.drives[robot.index()].traction
     }
 
     fn traction_power(&self, robot: RobotId) -> f64 {
-        let index = self.robot_body(robot);
-        let twist = self.engine.twist(index);
-        (self.bodies[index].friction.dot(&twist.vector()) / self.step).max(0.0)
+        self.drives[robot.index()].power
     }
 
     fn step(&mut self, commands: &[Command]) {
@@ -204,8 +225,11 @@ impl<E: Engine> World for GroundedWorld<E> {
             let free = body.before + inertia.velocity_change(&body.contact) + self.gravity;
             let after = body.after_friction(&free, &heading, &ground);
             body.friction = inertia.impulse(&(after - free));
-            let applied = (body.friction + inertia.impulse(&self.gravity)) / self.step;
-            self.engine.set_wrench(index, Vector2::new(applied.x, applied.y), applied.z);
+            let applied = body.friction + inertia.impulse(&self.gravity);
+            body.handed = body.before - (after - body.before) * self.lead;
+            self.engine.set_twist(index, &Twist2::new(body.handed.x, body.handed.y, body.handed.z));
+            let wrench = applied / self.step;
+            self.engine.set_wrench(index, Vector2::new(wrench.x, wrench.y), wrench.z);
         }
         self.engine.advance();
         for (index, body) in self.bodies.iter_mut().enumerate() {
@@ -213,10 +237,15 @@ impl<E: Engine> World for GroundedWorld<E> {
             let ground = wheel_motion(&self.drives, self.loads, index);
             let inertia = body.solver.inertia();
             let moved = self.engine.twist(index).vector();
-            body.contact = inertia.impulse(&(moved - body.before - self.gravity)) - body.friction;
+            body.contact = inertia.impulse(&(moved - body.handed - self.gravity)) - body.friction;
             let free = body.before + inertia.velocity_change(&body.contact) + self.gravity;
             let after = body.after_friction(&free, &heading, &ground);
             self.engine.set_twist(index, &Twist2::new(after.x, after.y, after.z));
+            if let Some(drive) = index.checked_sub(self.loads).and_then(|robot| self.drives.get_mut(robot)) {
+                drive.actual = Command { linear: heading.x * after.x + heading.y * after.y, angular: after.z };
+                drive.traction = body.friction.xy().norm() / self.step;
+                drive.power = (body.friction.dot(&after) / self.step).max(0.0);
+            }
         }
         self.time = self.time.plus_nanos(self.step_nanos);
     }
