@@ -6,12 +6,10 @@ Needs `chromium` and `chromedriver` (Debian: `chromium`, `chromium-driver`) and 
 import json
 import math
 import shutil
-import subprocess
 import time
 from pathlib import Path
 
 import pytest
-from example_log import example
 
 selenium = pytest.importorskip("selenium")
 from selenium import webdriver  # noqa: E402
@@ -26,27 +24,6 @@ pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="no chromium o
 
 # poses are stored in steps of 0.1 mm and 0.1 mrad, so they are off by at most half of that
 POSE_TOLERANCE = 1e-4
-
-
-@pytest.fixture(scope="session")
-def sample_mission(tmp_path_factory):
-    """Page of the made-up mission and the final pose (x, y, yaw) of its load, m and rad."""
-    stem = tmp_path_factory.mktemp("page") / "sample"
-    done = subprocess.run([example("sample_page"), stem], check=True, capture_output=True, text=True)
-    pose = tuple(float(number) for number in done.stdout.split())
-    return stem.with_suffix(".html"), pose
-
-
-@pytest.fixture(scope="session")
-def mission_page(sample_mission):
-    """Path of the page under test."""
-    return sample_mission[0]
-
-
-@pytest.fixture(scope="session")
-def mission_final_pose(sample_mission):
-    """Last recorded pose (x, y, yaw) of the first load, m and rad."""
-    return sample_mission[1]
 
 
 @pytest.fixture(scope="module")
