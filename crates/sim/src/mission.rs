@@ -8,7 +8,7 @@ use cohaul_core::record::marker::Marker;
 use cohaul_core::record::{Header, LogWriter};
 use cohaul_core::scenario::Instance;
 use cohaul_core::scenario::document::{Scenario, WorldKind};
-use cohaul_core::se2::{Pose2, position, yaw};
+use cohaul_core::se2::{Pose2, position, wrap_angle, yaw};
 use cohaul_core::time::Time;
 use nalgebra::Vector2;
 
@@ -48,7 +48,7 @@ impl Mission {
         stop: &mut dyn FnMut(Time, Time) -> bool,
     ) -> Result<Self, SimError> {
         let instance = scenario.instance()?;
-        let mut frames = FrameRecorder { frames: Vec::new(), instance: &instance };
+        let mut frames = FrameRecorder { frames: Vec::new(), instance: &instance, scenario: &scenario };
         let mut log = log.map(|output| LogRecorder::new(output, &scenario, &instance)).transpose()?;
         let outcome = episode::run(&scenario, &mut Both(&mut frames, log.as_mut()), stop)?;
         let frames = frames.frames;
@@ -161,6 +161,7 @@ fn triple(pose: &Pose2) -> [f64; 3] {
 struct FrameRecorder<'a> {
     frames: Vec<Frame>,
     instance: &'a Instance,
+    scenario: &'a Scenario,
 }
 
 impl Recorder for FrameRecorder<'_> {
@@ -185,17 +186,20 @@ impl Recorder for FrameRecorder<'_> {
                 stop: decision.stop,
             })
             .collect();
-        let teams = self
-            .instance
-            .teams
-            .iter()
-            .map(|team| {
+        let teams = self.instance.teams.iter().zip(self.scenario.teams.iter());
+        let teams = teams
+            .map(|(team, spec)| {
                 let decision = decisions[team.first_robot.index()];
+                // at the end the goal stays the target
+                let passed = usize::from(decision.waypoint);
+                let target = spec.mission.points().nth(passed).unwrap_or(&spec.mission.goal);
+                let load = world.load_pose(team.load);
+                let way = Vector2::new(target.x, target.y) - position(&load);
                 TeamFrame {
                     primitive: decision.primitive,
-                    heading_error: decision.heading_error,
-                    distance: decision.distance,
-                    waypoint: usize::from(decision.waypoint),
+                    heading_error: wrap_angle(way.y.atan2(way.x) - yaw(&load)),
+                    distance: way.norm(),
+                    waypoint: passed,
                 }
             })
             .collect();
