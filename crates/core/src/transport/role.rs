@@ -2,7 +2,7 @@
 //!
 //! # Source
 //! [R2P2] §IV-B. `w_i` → `slot_in_load.y`, `L/2` → `half_length`, `ε` → `side_tolerance`, `f̂_i` → `facing`, `d̂` →
-//! `direction`, `τ_i` → `torque_arm`, `τ_des` → [`Turn::sign`].
+//! `direction`, `τ_i` → `torque_arm`, `τ_des` → [`Turn::sign`](super::primitive::Turn::sign).
 //!
 //! # Deviations
 //! - `f̂_i` is the facing of the robot's slot, not its momentary heading: the paper assumes them equal, and while a robot
