@@ -42,17 +42,15 @@ class Phase(IntEnum):
     """Acts on its role."""
     HOLD = 1
     """Waits, because a peer's stop flag is up."""
-    RETREAT = 2
-    """Repositioning: backs off the edge before it turns."""
-    TURN_PARALLEL = 3
+    TURN_PARALLEL = 2
     """Repositioning: turns parallel to the edge."""
-    SLIDE = 4
+    SLIDE = 3
     """Repositioning: drives along the edge to its slot."""
-    TURN_FACING = 5
+    TURN_FACING = 4
     """Repositioning: turns to face the edge."""
-    APPROACH = 6
+    APPROACH = 5
     """Repositioning: creeps up to the edge."""
-    DONE = 7
+    DONE = 6
     """The last waypoint is reached."""
 
 

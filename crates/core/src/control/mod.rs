@@ -87,8 +87,6 @@ pub enum Phase {
     Work,
     /// Waits, wheels held, because a peer's stop flag is up.
     Hold,
-    /// Repositioning: backs off the edge before it turns.
-    Retreat,
     /// Repositioning: turns parallel to the edge.
     TurnParallel,
     /// Repositioning: drives along the edge to its slot.
@@ -103,20 +101,12 @@ pub enum Phase {
 
 impl Phase {
     /// Every phase, in the order of their numbers in logs.
-    pub const ALL: [Self; 8] = [
-        Self::Work,
-        Self::Hold,
-        Self::Retreat,
-        Self::TurnParallel,
-        Self::Slide,
-        Self::TurnFacing,
-        Self::Approach,
-        Self::Done,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Work, Self::Hold, Self::TurnParallel, Self::Slide, Self::TurnFacing, Self::Approach, Self::Done];
 
     /// Whether the robot repositions itself, and so keeps its stop flag raised.
     pub const fn is_repositioning(self) -> bool {
-        matches!(self, Self::Retreat | Self::TurnParallel | Self::Slide | Self::TurnFacing | Self::Approach)
+        matches!(self, Self::TurnParallel | Self::Slide | Self::TurnFacing | Self::Approach)
     }
 }
 
