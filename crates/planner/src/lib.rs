@@ -1,0 +1,2 @@
+//! What a team can do together: formations, capacity, and the programs that decide them.
+#![forbid(unsafe_code)]

@@ -1,0 +1,190 @@
+//! The `cohaul` command, shared by the binary and the Python package's console script.
+//!
+//! Exit status: 0 done and succeeded, 1 ran and failed, 2 usage, 3 bad input file, 130 interrupted. With `--json` one
+//! object goes to stdout and nothing else; progress goes to stderr, and only to a terminal.
+
+mod check;
+mod progress;
+mod recover;
+mod replay;
+mod run;
+
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::path::Path;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use cohaul_core::record::RecordError;
+use cohaul_core::scenario::{self, Override, Parsed, ScenarioError, Warning};
+use serde_json::{Map, Value, json};
+
+use crate::error::{SimError, chain};
+use crate::files::{self, FileError};
+
+/// Everything done, and it succeeded.
+pub const DONE: i32 = 0;
+/// It ran, and failed.
+pub const FAILED: i32 = 1;
+/// The command line makes no sense.
+pub const USAGE: i32 = 2;
+/// An input file or an override is bad.
+pub const BAD_INPUT: i32 = 3;
+/// Stopped by Ctrl-C.
+pub const INTERRUPTED: i32 = 130;
+
+/// Teams of mobile robots that move loads by pushing them together.
+#[derive(Parser)]
+#[command(name = "cohaul", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Run a mission: check the scenario, simulate it, write its log and its replay page.
+    Run(run::Run),
+    /// Check a scenario file without running it.
+    Check(check::Check),
+    /// Print the JSON Schema of scenario files.
+    Schema,
+    /// Decide a log anew from its observations and compare every decision bit for bit.
+    Replay(replay::Replay),
+    /// Make a valid log of an unfinished or damaged one.
+    Recover(recover::Recover),
+}
+
+#[derive(Args)]
+struct Common {
+    /// Set a key of the scenario, such as loads.0.mass=3.3; may be given several times.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    overrides: Vec<String>,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum World {
+    /// Rigid bodies in the plane.
+    Planar,
+    /// Rigid bodies in space.
+    Spatial,
+}
+
+/// Runs the command line `args`, the program's name first; `interrupted` is asked now and then whether to stop. Gives the
+/// exit status.
+pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // help and version are no errors
+            let status = if error.use_stderr() { USAGE } else { DONE };
+            let _ = error.print();
+            return status;
+        }
+    };
+    let (done, json) = match cli.command {
+        Verb::Run(arguments) => (run::run(&arguments, interrupted), arguments.common.json),
+        Verb::Check(arguments) => (check::check(&arguments), arguments.common.json),
+        Verb::Schema => {
+            say(&scenario::schema());
+            (Ok(DONE), false)
+        }
+        Verb::Replay(arguments) => (replay::replay(&arguments), arguments.json),
+        Verb::Recover(arguments) => (recover::recover(&arguments), arguments.json),
+    };
+    done.unwrap_or_else(|error| report(&error, json))
+}
+
+/// One line, or several, to stdout; a closed pipe is nobody's error.
+fn say(text: &str) {
+    let _ = writeln!(stdout(), "{}", text.trim_end_matches('\n'));
+}
+
+fn complain(text: &str) {
+    let _ = writeln!(stderr(), "{}", text.trim_end_matches('\n'));
+}
+
+fn overrides(texts: &[String]) -> Result<Vec<Override>, ScenarioError> {
+    texts.iter().map(|text| Override::parse(text)).collect()
+}
+
+fn parse(file: &Path, common: &Common, world: Option<World>) -> Result<Parsed, FileError> {
+    let mut changes = overrides(&common.overrides)?;
+    if let Some(world) = world {
+        let name = match world {
+            World::Planar => "planar",
+            World::Spatial => "spatial",
+        };
+        changes.push(Override::parse(&format!("world={name}"))?);
+    }
+    let parsed = files::read_scenario(file, &changes)?;
+    if !common.json {
+        for warning in &parsed.warnings {
+            complain(&rendered(warning));
+        }
+    }
+    Ok(parsed)
+}
+
+fn as_object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(object) => object,
+        _ => Map::new(),
+    }
+}
+
+fn warnings(list: &[Warning]) -> Value {
+    list.iter()
+        .map(|w| {
+            json!({
+                "message": w.message(), "file": w.file(), "line": w.line(), "column": w.column(), "remedy": w.remedy(),
+            })
+        })
+        .collect()
+}
+
+/// A diagnostic with its snippet, in colour on a terminal.
+fn rendered(diagnostic: &dyn miette::Diagnostic) -> String {
+    let theme = if stderr().is_terminal() {
+        miette::GraphicalTheme::unicode()
+    } else {
+        miette::GraphicalTheme::unicode_nocolor()
+    };
+    let mut text = String::new();
+    let handler = miette::GraphicalReportHandler::new_themed(theme).with_width(120);
+    match handler.render_report(&mut text, diagnostic) {
+        Ok(()) => text,
+        Err(_) => diagnostic.to_string(),
+    }
+}
+
+/// Reports an error and gives its exit status.
+fn report(error: &FileError, json: bool) -> i32 {
+    let scenario = match error {
+        FileError::Scenario(error) | FileError::Sim(SimError::Parse(error)) => Some(error),
+        _ => None,
+    };
+    if json {
+        let object = scenario.map_or_else(
+            || json!({"message": chain(error), "file": null, "line": null, "column": null, "remedy": null}),
+            |e| {
+                json!({
+                    "message": e.message(), "file": e.file(), "line": e.line(), "column": e.column(),
+                    "remedy": e.remedy(),
+                })
+            },
+        );
+        say(&json!({ "error": object }).to_string());
+    } else if let Some(error) = scenario {
+        complain(&format!("error: {error}"));
+        complain(&rendered(error));
+    } else {
+        complain(&format!("error: {}", chain(error)));
+    }
+    match error {
+        FileError::Scenario(_) | FileError::Io { action: "read", .. } => BAD_INPUT,
+        FileError::Sim(SimError::Record(RecordError::NotALog)) => BAD_INPUT,
+        _ => FAILED,
+    }
+}
