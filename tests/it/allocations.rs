@@ -1,7 +1,8 @@
 //! A decision allocates nothing.
 
 use cohaul_core::control::guard::{Guard, GuardLimits};
-use cohaul_core::control::r2p2::{R2p2, Task};
+use cohaul_core::control::guidance::Task;
+use cohaul_core::control::r2p2::R2p2;
 use cohaul_core::control::{Command, Observation, Stepper, StopFlags};
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::RobotId;
@@ -24,6 +25,7 @@ fn a_guarded_decision_of_r2p2_allocates_nothing() {
             half_length: 0.675,
             waypoints: vec![Vector2::new(0.2, 0.4), Vector2::new(9.0, 2.0)],
             tolerance: 0.1,
+            goal_yaw: None,
             limits: model.limits,
         };
         let controller = R2p2::new(&document::R2p2::default(), task).unwrap();

@@ -119,7 +119,7 @@ fn off_centre_push_turns_the_load_as_the_exact_limit_surface_says() {
             model.limits.linear_acceleration = 1e3;
             let robot = RobotBody { model, world_from_robot: pose(-0.175 - 0.105, offset, 0.0) };
             let mut world = build(kind, &setup(0.3, 0.0, load, vec![robot]));
-            let push = Command { linear: 0.02, angular: 0.0 };
+            let push = Command::drive(0.02, 0.0);
             // until the robot has driven 0.2 m from first touch
             run(&mut *world, &[push], 10.0);
             let turned = yaw(&world.load_pose(LOAD)).to_degrees().abs();
@@ -143,7 +143,7 @@ fn two_robots_move_17_kg_and_not_19() {
                 world_from_robot: pose(-0.175 - 0.105 - 0.002, y, 0.0),
             };
             let mut world = build(kind, &setup(0.1, 0.0, load, vec![robot(0.5), robot(-0.5)]));
-            let push = Command { linear: 0.1, angular: 0.0 };
+            let push = Command::drive(0.1, 0.0);
             run(&mut *world, &[push; 2], 1.0);
             let start = position(&world.load_pose(LOAD)).x;
             run(&mut *world, &[push; 2], 10.0);

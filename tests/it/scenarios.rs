@@ -125,7 +125,7 @@ fn overrides_reach_every_key_given_or_not() {
     assert_eq!(scenario.teams[0].robots.model().mass_on_wheels, 1.5);
     assert_eq!(scenario.terrain.walls, Some([-5.0, -5.0, 5.0, 5.0]));
     assert_eq!(scenario.randomize.keys().collect::<Vec<_>>(), ["loads.0.height", "physics.step"]);
-    let Controller::R2p2(r2p2) = scenario.teams[0].controller;
+    let Controller::R2p2(r2p2) = scenario.teams[0].controller else { panic!("another controller") };
     assert_eq!(r2p2.variant, Variant::Literal);
     assert_eq!(r2p2.rotation_gain, Some(0.25)); // the rest stays
 }
@@ -222,7 +222,7 @@ fn drawn_keys_depend_only_on_the_draws_and_are_checked() {
     let scenario = resolve([0.25, 0.99, 0.5, 0.75]);
     assert_eq!((scenario.loads[0].mass, scenario.terrain.slope_deg, scenario.seed), (1.5, 0.0, 9));
     assert_eq!(scenario.terrain.walls.unwrap()[0], -4.25);
-    let Controller::R2p2(r2p2) = scenario.teams[0].controller;
+    let Controller::R2p2(r2p2) = scenario.teams[0].controller else { panic!("another controller") };
     assert_eq!(r2p2.check_interval, Some(12)); // 10, 11, 12 have a third each
     assert!(scenario.randomize.is_empty());
     assert_eq!(resolve([0.25, 0.99, 0.5, 0.75]), scenario);
@@ -309,7 +309,7 @@ prop_compose! {
         (scenario.teams[0].id, scenario.teams[0].load) = (id.clone(), id.clone());
         scenario.loads[0].id = id;
         (scenario.teams[0].mission.goal.x, scenario.teams[0].mission.goal.y) = goal;
-        let Controller::R2p2(r2p2) = &mut scenario.teams[0].controller;
+        let Controller::R2p2(r2p2) = &mut scenario.teams[0].controller else { panic!("another controller") };
         (r2p2.speed_min, r2p2.wrap) = (speed_min, wrap);
         scenario.terrain.friction.breakaway = breakaway;
         scenario.teams[0].robots.rates_hz = rates;

@@ -84,7 +84,7 @@ fn write_tick<W: std::io::Write>(writer: &mut LogWriter<W>, tick: i64) -> Result
             stop_flags: StopFlags::default(),
         };
         let decision = Decision {
-            command: Command { linear: 0.1 + 0.01 * bearing.sin(), angular: 0.05 },
+            command: Command::drive(0.1 + 0.01 * bearing.sin(), 0.05),
             primitive: Some(Primitive::Translate),
             role: (robot != 5).then_some(role),
             phase: Phase::Work,

@@ -1,6 +1,6 @@
 //! Robot models: size, mass, traction, limits.
 
-use crate::kinematics::UnicycleLimits;
+use crate::kinematics::BaseLimits;
 
 /// What the worlds and the controllers need to know of a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct RobotModel {
     /// Distance between the wheels, m.
     pub track: f64,
     /// Speed and acceleration limits, command truncation.
-    pub limits: UnicycleLimits,
+    pub limits: BaseLimits,
 }
 
 impl RobotModel {
@@ -26,12 +26,20 @@ impl RobotModel {
         mass: 1.0,
         mass_on_wheels: 1.0,
         track: 0.160,
-        limits: UnicycleLimits {
+        limits: BaseLimits {
             linear: 0.22,
+            lateral: 0.0,
             angular: 2.84,
             linear_acceleration: 1.0,
             angular_acceleration: 6.0,
             command_step: 0.01,
         },
     };
+
+    /// A base of the same size, mass and speed that drives in any direction: for comparisons with methods made for such
+    /// robots ([R2P2] §V-D).
+    ///
+    /// [R2P2]: crate::_documentation::references
+    pub const OMNIDIRECTIONAL: Self =
+        Self { limits: BaseLimits { lateral: 0.22, ..Self::TURTLEBOT3_BURGER.limits }, ..Self::TURTLEBOT3_BURGER };
 }

@@ -6,10 +6,12 @@
 use cohaul_core::contact::limit_surface::LimitSurface;
 use cohaul_core::contact::slope::Slope;
 use cohaul_core::control::guard::{Guard, GuardLimits};
-use cohaul_core::control::r2p2::{Parameters, R2p2, Task};
-use cohaul_core::control::{Command, Decision, Observation, Step, Stepper, StopFlags};
+use cohaul_core::control::guidance::Task;
+use cohaul_core::control::r2p2::{Parameters, R2p2};
+use cohaul_core::control::vlf::Vlf;
+use cohaul_core::control::{Command, Decision, Observation, Phase, Step, Stepper, StopFlags};
 use cohaul_core::geometry::shape::ConvexPolygon;
-use cohaul_core::id::RobotId;
+use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::Instance;
 use cohaul_core::scenario::document::{Controller, GroundModel, Scenario};
 use cohaul_core::se2::{Pose2, pose};
@@ -66,6 +68,8 @@ struct Agent {
     place: usize,
     team: usize,
     guard: Guard<Box<dyn Step>>,
+    load: LoadId,
+    load_from_slot: Pose2,
     period_nanos: i64,
     next: Time,
 }
@@ -100,16 +104,19 @@ pub fn controller(
     let built = &instance.teams[team];
     let (low, high) = instance.load_polygon(built.load.index()).bounds();
     let waypoints = spec.mission.points().map(|p| Vector2::new(p.x, p.y)).collect();
-    let Controller::R2p2(keys) = &spec.controller;
     let task = Task {
         formation: &built.formation,
         place,
         half_length: (high.y - low.y) / 2.0,
         waypoints,
         tolerance: spec.mission.tolerance,
+        goal_yaw: spec.mission.goal_yaw(),
         limits: built.model.limits,
     };
-    let inner: Box<dyn Step> = Box::new(Stepper::new(R2p2::new(keys, task)?));
+    let inner: Box<dyn Step> = match &spec.controller {
+        Controller::R2p2(keys) => Box::new(Stepper::new(R2p2::new(keys, task)?)),
+        Controller::Vlf(keys) => Box::new(Stepper::new(Vlf::new(keys, task)?)),
+    };
     let limits = GuardLimits { pose_timeout: scenario.sensors.timeout, robot: built.model.limits };
     Ok(Guard::new(inner, limits))
 }
@@ -132,8 +139,10 @@ impl Episode {
         let mut loads_of = Vec::new();
         let mut phases = random(2);
         for (team, built) in instance.teams.iter().enumerate() {
-            let Controller::R2p2(keys) = &scenario.teams[team].controller;
-            let rate_hz = Parameters::new(keys).rate_hz;
+            let rate_hz = match &scenario.teams[team].controller {
+                Controller::R2p2(keys) => Parameters::new(keys).rate_hz,
+                Controller::Vlf(keys) => keys.rate_hz,
+            };
             for place in 0..built.robots() {
                 let own = scenario.teams[team].robots.rates_hz.as_ref().and_then(|rates| rates.get(place).copied());
                 let period = 1.0 / own.unwrap_or(rate_hz);
@@ -142,6 +151,8 @@ impl Episode {
                     place,
                     team,
                     guard: controller(scenario, &instance, team, place)?,
+                    load: built.load,
+                    load_from_slot: built.formation.load_from_robot(place),
                     period_nanos: (period * 1e9).round() as i64,
                     next: Time::from_seconds(period * phases.random::<f64>()),
                 });
@@ -213,6 +224,11 @@ impl Episode {
             self.commands[agent.robot.index()] = decision.command;
             self.decisions[agent.robot.index()] = decision;
             recorder.decision(&observation, &decision)?;
+            if decision.phase == Phase::Teleport {
+                let slot = self.world.load_pose(agent.load) * agent.load_from_slot;
+                self.world.place(agent.robot, &slot);
+                self.score.teleported();
+            }
         }
         if now >= self.next_state {
             self.next_state = self.next_state.plus_nanos(STATE_NANOS);

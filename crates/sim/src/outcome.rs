@@ -44,7 +44,8 @@ pub struct Outcome {
     pub time_s: f64,
     /// Distance of the load's centre from its goal at the last step, m.
     pub final_error_m: f64,
-    /// Bearing from the last waypoint to the goal minus the load's heading at the last step, absolute, rad.
+    /// Heading that the goal asks for, or else the bearing from the last waypoint to the goal, minus the load's heading at the
+    /// last step, absolute, rad.
     pub final_yaw_error_rad: f64,
     /// Waypoints passed, goals included.
     pub waypoints_reached: usize,
@@ -68,6 +69,8 @@ pub struct Outcome {
     pub energy_j: f64,
     /// Time during which the robots did not enclose the load's centre, s.
     pub caging_violation_s: f64,
+    /// Time added for robots that were put into their slots, s; not part of `time_s`.
+    pub penalty_s: f64,
 }
 
 impl Outcome {
@@ -96,8 +99,11 @@ impl Outcome {
             ("traction work", format!("{:.1} J", self.energy_j)),
             ("control effort", format!("{:.1}", self.control_effort)),
             ("cage open", format!("{:.2} s", self.caging_violation_s)),
+            ("penalty for teleports", format!("{:.0} s", self.penalty_s)),
         ]
         .map(|(label, value)| (label.to_owned(), value))
-        .to_vec()
+        .into_iter()
+        .filter(|(label, _)| self.penalty_s > 0.0 || label != "penalty for teleports")
+        .collect()
     }
 }

@@ -103,6 +103,7 @@ fn is_same(a: &Decision, b: &Decision) -> bool {
     let numbers = |d: &Decision| {
         [
             d.command.linear,
+            d.command.lateral,
             d.command.angular,
             d.heading_error,
             d.distance,

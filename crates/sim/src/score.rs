@@ -11,6 +11,7 @@
 //! [R2P2]: cohaul_core::_documentation::references
 
 use cohaul_core::control::Command;
+use cohaul_core::control::guidance::GoalYaw;
 use cohaul_core::geometry::query::distance_polygon_circle;
 use cohaul_core::geometry::shape::ConvexPolygon;
 use cohaul_core::id::{LoadId, RobotId};
@@ -40,6 +41,7 @@ struct TeamScore {
     /// Start, then the waypoints, the goal last.
     path: Vec<Vector2<f64>>,
     tolerance: f64,
+    goal_yaw: Option<GoalYaw>,
     radius: f64,
     /// Waypoints passed.
     passed: usize,
@@ -67,6 +69,8 @@ pub(crate) struct Score {
     min_distance: f64,
     min_clearance: f64,
     caging_violation: f64,
+    penalty_per_teleport: f64,
+    teleports: usize,
 }
 
 impl Score {
@@ -88,6 +92,7 @@ impl Score {
                     leg: (path[1] - start).norm(),
                     path,
                     tolerance: mission.tolerance,
+                    goal_yaw: mission.goal_yaw(),
                     radius: built.model.radius,
                     passed: 0,
                     last: start,
@@ -114,7 +119,14 @@ impl Score {
             min_distance: f64::INFINITY,
             min_clearance: f64::INFINITY,
             caging_violation: 0.0,
+            penalty_per_teleport: scenario.physics.teleport_penalty,
+            teleports: 0,
         }
+    }
+
+    /// A robot was put into its slot.
+    pub(crate) fn teleported(&mut self) {
+        self.teleports += 1;
     }
 
     /// Adds one step of `dt` seconds; `stopped` tells whether any stop flag is up.
@@ -126,8 +138,8 @@ impl Score {
         self.stopped = stopped;
         for robot in 0..self.robots {
             let robot = RobotId(robot as u16);
-            let Command { linear, angular } = world.robot_speeds(robot);
-            self.control_effort += (linear * linear + angular * angular) * dt;
+            let Command { linear, lateral, angular } = world.robot_speeds(robot);
+            self.control_effort += (linear * linear + lateral * lateral + angular * angular) * dt;
             self.energy += world.traction_power(robot) * dt;
         }
     }
@@ -171,7 +183,8 @@ impl Score {
             final_error_m: over(&|t| (t.goal() - position(&world.load_pose(t.load))).norm()),
             final_yaw_error_rad: over(&|t| {
                 let leg = t.goal() - t.path[t.path.len() - 2];
-                wrap_angle(leg.y.atan2(leg.x) - yaw(&world.load_pose(t.load))).abs()
+                let wanted = t.goal_yaw.map_or(leg.y.atan2(leg.x), |goal| goal.yaw);
+                wrap_angle(wanted - yaw(&world.load_pose(t.load))).abs()
             }),
             waypoints_reached: self.teams.iter().map(|t| t.passed).sum(),
             repositions: self.repositions,
@@ -184,6 +197,7 @@ impl Score {
             control_effort: self.control_effort,
             energy_j: self.energy,
             caging_violation_s: self.caging_violation,
+            penalty_s: self.teleports as f64 * self.penalty_per_teleport,
         }
     }
 }
@@ -193,6 +207,11 @@ impl TeamScore {
         self.path[self.path.len() - 1]
     }
 
+    /// Whether the load has the orientation that the goal asks for.
+    fn is_oriented(&self, world_from_load: &Pose2) -> bool {
+        self.goal_yaw.is_none_or(|goal| wrap_angle(goal.yaw - yaw(world_from_load)).abs() < goal.tolerance)
+    }
+
     /// Measures the team's load; whether it is lost.
     fn look(&mut self, world: &dyn World, dt: f64, violation: &mut f64, workspace: Option<&[f64; 4]>) -> bool {
         let world_from_load = world.load_pose(self.load);
@@ -200,7 +219,10 @@ impl TeamScore {
         let robot = |place: usize| position(&world.robot_pose(RobotId((self.first_robot + place) as u16)));
         self.length += (center - self.last).norm();
         self.last = center;
-        while self.passed + 1 < self.path.len() && (self.path[self.passed + 1] - center).norm() < self.tolerance {
+        while self.passed + 1 < self.path.len()
+            && (self.path[self.passed + 1] - center).norm() < self.tolerance
+            && (self.passed + 2 < self.path.len() || self.is_oriented(&world_from_load))
+        {
             self.passed += 1;
             self.leg = self.path.get(self.passed + 1).map_or(0.0, |next| (next - center).norm());
         }

@@ -4,7 +4,7 @@
 //! slope stays where the team holds it. The fault is cleared by the first sound decision.
 
 use super::{Command, ControlError, Decision, Fault, Observation, Step};
-use crate::kinematics::UnicycleLimits;
+use crate::kinematics::BaseLimits;
 
 /// Limits of the guard.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct GuardLimits {
     /// Age of a pose beyond which the robot stops, s.
     pub pose_timeout: f64,
     /// Speeds that no command may exceed.
-    pub robot: UnicycleLimits,
+    pub robot: BaseLimits,
 }
 
 /// A controller behind its guard.
@@ -44,13 +44,15 @@ impl<S: Step> Guard<S> {
     }
 
     fn check(&self, decision: Decision) -> Decision {
-        let Command { linear, angular } = decision.command;
-        if !(linear.is_finite() && angular.is_finite()) {
+        let Command { linear, lateral, angular } = decision.command;
+        if !(linear.is_finite() && lateral.is_finite() && angular.is_finite()) {
             return stopped(decision, Fault::NotFinite);
         }
         // a rounding error above the limit is not a fault
         let margin = 1.0 + 1e-9;
-        if linear.abs() > self.limits.robot.linear * margin || angular.abs() > self.limits.robot.angular * margin {
+        let robot = &self.limits.robot;
+        let over = |speed: f64, limit: f64| speed.abs() > limit * margin;
+        if over(linear, robot.linear) || over(lateral, robot.lateral) || over(angular, robot.angular) {
             return stopped(decision, Fault::OverLimit);
         }
         decision
@@ -114,13 +116,13 @@ mod tests {
 
     #[test]
     fn sound_decisions_pass_unchanged() {
-        let command = Command { linear: 0.22, angular: -2.84 };
+        let command = Command::drive(0.22, -2.84);
         assert_eq!(decide(Ok(command), &observation(0.149)).command, command);
     }
 
     #[test]
     fn everything_else_is_a_stop_with_its_fault() {
-        let drive = |linear, angular| Ok(Command { linear, angular });
+        let drive = |linear, angular| Ok(Command::drive(linear, angular));
         let mut lost = observation(0.0);
         lost.world_from_load.translation.vector.x = f64::NAN;
         let error = ControlError::Memory { reason: String::new() };
@@ -132,6 +134,7 @@ mod tests {
             (drive(0.0, f64::INFINITY), observation(0.0), Fault::NotFinite),
             (drive(0.23, 0.0), observation(0.0), Fault::OverLimit),
             (drive(0.0, -3.0), observation(0.0), Fault::OverLimit),
+            (Ok(Command { lateral: 0.1, ..Command::STOP }), observation(0.0), Fault::OverLimit),
             (Err(error), observation(0.0), Fault::Controller),
         ] {
             let decision = decide(result, &observation);

@@ -5,8 +5,10 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod guard;
+pub mod guidance;
 pub mod r2p2;
 pub mod twist;
+pub mod vlf;
 
 use serde::{Deserialize, Serialize};
 
@@ -16,18 +18,25 @@ use crate::time::Time;
 use crate::transport::primitive::Primitive;
 use crate::transport::role::Role;
 
-/// Body velocity command: forward speed, m/s, and yaw rate, rad/s.
+/// Body velocity command: forward and sideways speed, m/s, and yaw rate, rad/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Command {
     /// Forward speed, m/s; negative drives backwards.
     pub linear: f64,
+    /// Speed to the left, m/s; only an omnidirectional base can do it.
+    pub lateral: f64,
     /// Yaw rate, rad/s, counter-clockwise.
     pub angular: f64,
 }
 
 impl Command {
     /// Wheels held still.
-    pub const STOP: Self = Self { linear: 0.0, angular: 0.0 };
+    pub const STOP: Self = Self { linear: 0.0, lateral: 0.0, angular: 0.0 };
+
+    /// A command to a differential drive: forward speed, m/s, and yaw rate, rad/s.
+    pub const fn drive(linear: f64, angular: f64) -> Self {
+        Self { linear, lateral: 0.0, angular }
+    }
 }
 
 /// Raised stop flags of the peers: one bit per robot of the team, in team order.
@@ -97,16 +106,26 @@ pub enum Phase {
     Approach,
     /// The last waypoint is reached.
     Done,
+    /// Repositioning in simulation only: put into its slot at once.
+    Teleport,
 }
 
 impl Phase {
     /// Every phase, in the order of their numbers in logs.
-    pub const ALL: [Self; 7] =
-        [Self::Work, Self::Hold, Self::TurnParallel, Self::Slide, Self::TurnFacing, Self::Approach, Self::Done];
+    pub const ALL: [Self; 8] = [
+        Self::Work,
+        Self::Hold,
+        Self::TurnParallel,
+        Self::Slide,
+        Self::TurnFacing,
+        Self::Approach,
+        Self::Done,
+        Self::Teleport,
+    ];
 
     /// Whether the robot repositions itself, and so keeps its stop flag raised.
     pub const fn is_repositioning(self) -> bool {
-        matches!(self, Self::TurnParallel | Self::Slide | Self::TurnFacing | Self::Approach)
+        matches!(self, Self::TurnParallel | Self::Slide | Self::TurnFacing | Self::Approach | Self::Teleport)
     }
 }
 

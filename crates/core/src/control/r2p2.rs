@@ -20,6 +20,8 @@
 //! - `prevent: paced`: a preventing robot gives way at the speed that the pushing robots aim at (eq. 3, which it can work out
 //!   by itself) instead of the speed that the load has. Eq. 4 is a unit feedback: a load at rest between pushing and
 //!   preventing robots stays at rest, a load that a slope accelerates takes them along.
+//! - `drive: nearest`, goals with an orientation, turns across the half turn: see [`super::guidance`].
+//! - `reposition: teleport` puts a robot into its slot at once, as §VI does; only a simulator can.
 //! - |ω_b| in eq. 4, which otherwise drives preventing robots forward in clockwise turns.
 //!
 //! [R2P2]: crate::_documentation::references
@@ -27,90 +29,20 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+mod parameters;
+
+use super::guidance::{Guidance, Progress, Task};
 use super::{Command, ControlError, Controller, Decision, Observation, Phase};
-use crate::kinematics::UnicycleLimits;
-use crate::scenario::document::{self, Prevent, Stance, Support, Variant};
+use crate::kinematics::BaseLimits;
+use crate::scenario::document::{self, Drive, Prevent, Reposition, Stance, Support};
 use crate::se2::{Twist2, cross, perpendicular, position, unit, wrap_angle, yaw};
 use crate::time::Time;
-use crate::transport::formation::{Formation, Slot};
-use crate::transport::primitive::{self, Primitive};
+use crate::transport::formation::Slot;
+use crate::transport::primitive::Primitive;
 use crate::transport::reposition::{Deviation, Repositioning};
 use crate::transport::role::{self, Role, RoleTolerances};
 
-/// Parameters with every value decided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// Pushing speed per heading error, m/s per rad.
-    pub rotation_gain: f64,
-    /// Pushing speed per distance, 1/s.
-    pub translation_gain: f64,
-    /// Lowest pushing speed, m/s.
-    pub speed_min: f64,
-    /// Highest speed, m/s.
-    pub speed_max: f64,
-    /// Highest speed of a preventing robot, m/s.
-    pub load_speed_max: f64,
-    /// Control rate, Hz.
-    pub rate_hz: f64,
-    /// Heading error that starts a rotation, rad.
-    pub heading_threshold: f64,
-    /// Heading error that ends a rotation, rad.
-    pub heading_release: f64,
-    /// Shortest signed angles.
-    pub wrap: bool,
-    /// What a supporting robot does.
-    pub support: Support,
-    /// How robots stand to the edge.
-    pub stance: Stance,
-    /// At which speed preventing robots give way.
-    pub prevent: Prevent,
-    /// Whether a pushing robot turns with the load.
-    pub push_turns: bool,
-    /// Whether ω has the load's sense.
-    pub turn_with_load: bool,
-    /// Speed per clearance at which a preventing robot returns to the edge, 1/s.
-    pub gap_gain: f64,
-    /// Whether robots reposition themselves.
-    pub reposition: bool,
-    /// Control steps between two checks of the own slot.
-    pub check_interval: u32,
-    /// Deviation along the edge that starts a repositioning, m.
-    pub reposition_tangential: f64,
-    /// Deviation of the heading that starts a repositioning, rad.
-    pub reposition_heading: f64,
-    /// Clearance that starts a repositioning, m.
-    pub reposition_gap: f64,
-}
-
-impl Parameters {
-    /// The values of `keys`, those not given taken from its variant.
-    pub fn new(keys: &document::R2p2) -> Self {
-        let literal = keys.variant == Variant::Literal;
-        let heading_threshold = keys.heading_threshold.unwrap_or(0.2);
-        Self {
-            rotation_gain: keys.rotation_gain.unwrap_or(0.25),
-            translation_gain: keys.translation_gain.unwrap_or(0.3),
-            speed_min: keys.speed_min.unwrap_or(0.1),
-            speed_max: keys.speed_max.unwrap_or(0.22),
-            load_speed_max: keys.load_speed_max.unwrap_or(0.22),
-            rate_hz: keys.rate_hz.unwrap_or(20.0),
-            heading_threshold,
-            heading_release: keys.heading_release.unwrap_or(if literal { heading_threshold } else { 0.1 }),
-            wrap: keys.wrap.unwrap_or(!literal),
-            support: keys.support.unwrap_or(if literal { Support::Literal } else { Support::Track }),
-            stance: keys.stance.unwrap_or(if literal { Stance::Square } else { Stance::Arc }),
-            prevent: keys.prevent.unwrap_or(if literal { Prevent::Literal } else { Prevent::Paced }),
-            push_turns: keys.push_turns.unwrap_or(!literal),
-            turn_with_load: keys.turn_with_load.unwrap_or(!literal),
-            gap_gain: keys.gap_gain.unwrap_or(if literal { 0.0 } else { 1.0 }),
-            reposition: keys.reposition.unwrap_or(true),
-            check_interval: keys.check_interval.unwrap_or(25),
-            reposition_tangential: keys.reposition_tangential.unwrap_or(0.05),
-            reposition_heading: keys.reposition_heading.unwrap_or(0.26),
-            reposition_gap: keys.reposition_gap.unwrap_or(0.06),
-        }
-    }
-}
+pub use parameters::Parameters;
 
 /// Lever arm below which a robot turns the load not at all, and ε of the rule |w_i| > L/2 + ε, m.
 const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
@@ -178,39 +110,19 @@ pub struct R2p2 {
     outermost: f64,
     /// Half the load's extent across its heading, m.
     half_length: f64,
-    waypoints: Vec<Vector2<f64>>,
-    tolerance: f64,
-    limits: UnicycleLimits,
+    guidance: Guidance,
+    limits: BaseLimits,
 }
 
 /// What a robot carries from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Next waypoint.
-    waypoint: u16,
-    primitive: Option<Primitive>,
+    progress: Progress,
     phase: Phase,
     /// Control steps since the last check of the slot.
     since_check: u32,
     /// When the current manoeuvre began.
     began: Time,
-}
-
-/// What one robot is to do in one mission.
-#[derive(Clone, Debug)]
-pub struct Task<'a> {
-    /// The team's slots.
-    pub formation: &'a Formation,
-    /// The robot's place in the team.
-    pub place: usize,
-    /// Half the load's extent across its heading, m.
-    pub half_length: f64,
-    /// Points for the load's centre, world frame, m; the goal is the last.
-    pub waypoints: Vec<Vector2<f64>>,
-    /// Distance at which one counts as reached, m.
-    pub tolerance: f64,
-    /// Limits of the robot.
-    pub limits: UnicycleLimits,
 }
 
 /// Everything of one tick that the laws need, in the load's frame.
@@ -248,13 +160,7 @@ impl R2p2 {
                 expected: "between 0 and speed_max",
             });
         }
-        let Some(slot) = task.formation.slots().get(task.place).copied() else {
-            return Err(ControlError::Parameter {
-                parameter: "place",
-                value: task.place as f64,
-                expected: "a slot of the formation",
-            });
-        };
+        let slot = task.slot()?;
         Ok(Self {
             parameters,
             manoeuvre: Repositioning::default(),
@@ -264,8 +170,15 @@ impl R2p2 {
             gap: task.formation.gap(),
             outermost: task.formation.outermost(),
             half_length: task.half_length,
-            waypoints: task.waypoints,
-            tolerance: task.tolerance,
+            guidance: Guidance {
+                waypoints: task.waypoints,
+                tolerance: task.tolerance,
+                goal_yaw: task.goal_yaw,
+                threshold: parameters.heading_threshold,
+                release: parameters.heading_release,
+                wrap: parameters.wrap,
+                either_way: parameters.drive == Drive::Nearest,
+            },
             limits: task.limits,
         })
     }
@@ -273,11 +186,6 @@ impl R2p2 {
     /// Distance of the slot from the load's centre, m.
     fn lever(&self) -> f64 {
         self.slot.center(self.radius, self.gap).norm()
-    }
-
-    /// Bearing of the waypoint minus the load's heading, rad (§IV-A).
-    fn heading_error(&self, bearing: f64, heading: f64) -> f64 {
-        if self.parameters.wrap { wrap_angle(bearing - heading) } else { bearing - heading }
     }
 
     /// Unit vector along which the slot moves in the load's frame while the primitive goes on.
@@ -355,8 +263,8 @@ impl R2p2 {
         let pace = self.pace(s);
         match s.role {
             Role::Push => match (p.push_turns, on_arc) {
-                (false, _) => Command { linear: pace, angular: 0.0 },
-                (true, false) => Command { linear: pace, angular: turn_rate + gain * error },
+                (false, _) => Command::drive(pace, 0.0),
+                (true, false) => Command::drive(pace, turn_rate + gain * error),
                 (true, true) => self.along(s, wanted, pace, turn_rate),
             },
             Role::Prevent => {
@@ -372,14 +280,12 @@ impl R2p2 {
                     self.along(s, wanted, linear, turn_rate)
                 } else {
                     let feedback = if p.push_turns { gain * error } else { 0.0 };
-                    Command { linear, angular: turn_rate + feedback }
+                    Command::drive(linear, turn_rate + feedback)
                 }
             }
             Role::Support => match p.support {
                 Support::Park => Command::STOP,
-                Support::Literal => {
-                    Command { linear: support_speed(load_speed, s.load_twist.angular, lever), angular: turn_rate }
-                }
+                Support::Literal => Command::drive(support_speed(load_speed, s.load_twist.angular, lever), turn_rate),
                 Support::Track => {
                     // the slot's velocity along the robot's axis, plus a pull back to the slot
                     let center = self.slot.center(self.radius, self.gap);
@@ -400,12 +306,13 @@ impl R2p2 {
         let steer = if speed.abs() > 0.01 { -sense * (STEERING.0 * left).clamp(-STEERING.1, STEERING.1) } else { 0.0 };
         let error = wrap_angle(wanted + steer - s.heading);
         let ease = (1.0 - error.abs() / TURN_FIRST).clamp(0.0, 1.0);
-        Command { linear: speed * ease, angular: turn_rate + ARC_HEADING_GAIN * error }
+        Command::drive(speed * ease, turn_rate + ARC_HEADING_GAIN * error)
     }
 
     fn limited(&self, command: Command) -> Command {
         Command {
             linear: command.linear.clamp(-self.limits.linear, self.limits.linear),
+            lateral: 0.0,
             angular: command.angular.clamp(-self.limits.angular, self.limits.angular),
         }
     }
@@ -420,79 +327,65 @@ impl Controller for R2p2 {
             return Err(ControlError::NotFinite { robot: observation.robot, time_s });
         }
         let p = &self.parameters;
-        let center = position(&observation.world_from_load);
         let load_heading = yaw(&observation.world_from_load);
         let load_from_robot = observation.world_from_load.inv_mul(&observation.world_from_robot);
         let in_load = position(&load_from_robot);
         let facing = self.slot.facing;
-        let deviation = Deviation {
-            tangential: self.slot.tangent().dot(&(in_load - self.slot.contact)),
-            gap: facing.dot(&(self.slot.contact - in_load)) - self.radius,
-            heading: wrap_angle(yaw(&load_from_robot) - facing.y.atan2(facing.x)),
-        };
+        let deviation = Deviation::new(&self.slot, self.radius, &load_from_robot);
         let mut decision = Decision {
             slot_tangential: deviation.tangential,
             slot_gap: deviation.gap,
             slot_heading: deviation.heading,
             ..Decision::default()
         };
-
-        // the next waypoint that the load has not passed
-        let mut target = None;
-        while let Some(point) = self.waypoints.get(usize::from(memory.waypoint)) {
-            if (point - center).norm() >= self.tolerance {
-                target = Some(*point);
-                break;
-            }
-            memory.waypoint += 1;
-        }
-        decision.waypoint = memory.waypoint;
-        let Some(target) = target else {
+        let motion = self.guidance.next(&mut memory.progress, &observation.world_from_load);
+        decision.waypoint = memory.progress.waypoint;
+        let Some(motion) = motion else {
             memory.phase = Phase::Done;
             decision.phase = Phase::Done;
             return Ok(decision);
         };
-        let heading_error = self.heading_error(primitive::bearing(&center, &target), load_heading);
-        let distance = (target - center).norm();
-        let chosen = primitive::choose(heading_error, memory.primitive, p.heading_threshold, p.heading_release);
-        let changed = memory.primitive != Some(chosen);
-        memory.primitive = Some(chosen);
 
-        let direction = unit(wrap_angle(primitive::bearing(&center, &target) - load_heading));
         let place = self.slot.center(self.radius, self.gap);
-        let role = role::assign(chosen, &place, &facing, &direction, self.half_length, &TOLERANCES);
+        let role = role::assign(motion.primitive, &place, &facing, &motion.direction, self.half_length, &TOLERANCES);
         let situation = Situation {
-            primitive: chosen,
+            primitive: motion.primitive,
             role,
             load_twist: observation.load_twist_in_world.rotated(-load_heading),
-            heading_error,
-            distance,
+            heading_error: motion.heading_error,
+            distance: motion.distance,
             deviation,
             heading: yaw(&load_from_robot),
             offset: in_load - place,
         };
-        decision.primitive = Some(chosen);
+        decision.primitive = Some(motion.primitive);
         decision.role = Some(role);
-        decision.heading_error = heading_error;
-        decision.distance = distance;
+        decision.heading_error = motion.heading_error;
+        decision.distance = motion.distance;
 
         // check of the own slot: at intervals and whenever the primitive changes
         memory.since_check += 1;
         let peers_hold = observation.stop_flags.any_but(self.place);
-        if !memory.phase.is_repositioning() {
-            let due = changed || memory.since_check >= p.check_interval || (peers_hold && memory.phase != Phase::Hold);
+        if !memory.phase.is_repositioning() || memory.phase == Phase::Teleport {
+            let due =
+                motion.changed || memory.since_check >= p.check_interval || (peers_hold && memory.phase != Phase::Hold);
             if due {
                 memory.since_check = 0;
             }
-            if due && p.reposition && self.is_off(&situation) {
-                memory.phase = self.manoeuvre.first_phase(&deviation);
+            memory.phase = if due && p.reposition != Reposition::Never && self.is_off(&situation) {
                 memory.began = observation.time;
+                match p.reposition {
+                    Reposition::Teleport => Phase::Teleport,
+                    _ => self.manoeuvre.first_phase(&deviation),
+                }
+            } else if peers_hold {
+                Phase::Hold
             } else {
-                memory.phase = if peers_hold { Phase::Hold } else { Phase::Work };
-            }
+                Phase::Work
+            };
         }
         decision.command = match memory.phase {
-            Phase::Hold | Phase::Done => Command::STOP,
+            Phase::Hold | Phase::Done | Phase::Teleport => Command::STOP,
             Phase::Work => self.work(&situation),
             _ => {
                 let parallel = self.tracks(role) && deviation.gap <= p.reposition_gap;

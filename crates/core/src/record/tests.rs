@@ -94,15 +94,15 @@ prop_compose! {
 
 prop_compose! {
     fn any_decision()(
-        numbers in [any_f64(), any_f64(), any_f64(), any_f64(), any_f64(), any_f64(), any_f64()],
+        numbers in [(); 8].map(|()| any_f64()),
         stop in any::<bool>(), waypoint in any::<u16>(),
         primitive in prop::option::of(prop::sample::select(&Primitive::ALL[..])),
         role in prop::option::of(prop::sample::select(&Role::ALL[..])),
         phase in prop::sample::select(&Phase::ALL[..]), fault in prop::sample::select(&Fault::ALL[..]),
     ) -> Decision {
-        let [linear, angular, heading_error, distance, slot_tangential, slot_gap, slot_heading] = numbers;
+        let [linear, lateral, angular, heading_error, distance, slot_tangential, slot_gap, slot_heading] = numbers;
         Decision {
-            command: Command { linear, angular }, stop, primitive, role, phase, fault, waypoint, heading_error, distance,
+            command: Command { linear, lateral, angular }, stop, primitive, role, phase, fault, waypoint, heading_error, distance,
             slot_tangential, slot_gap, slot_heading,
         }
     }
@@ -127,6 +127,7 @@ fn same_decision(a: &Decision, b: &Decision) -> bool {
     let numbers = |d: &Decision| {
         [
             d.command.linear,
+            d.command.lateral,
             d.command.angular,
             d.heading_error,
             d.distance,
@@ -165,14 +166,14 @@ proptest! {
 
     #[test]
     fn states_come_back_bit_for_bit(
-        time in any::<i64>(), at in any_pose(), twist in any_twist(), speeds in [any_f64(), any_f64()],
+        time in any::<i64>(), at in any_pose(), twist in any_twist(), speeds in [any_f64(), any_f64(), any_f64()],
         traction in any_f64(),
     ) {
         let time = Time::from_nanos(time);
-        let [linear, angular] = speeds;
+        let [linear, lateral, angular] = speeds;
         let mut writer = LogWriter::new(Vec::new(), &header(2)).unwrap();
         writer.load_state(time, LoadId(0), &at, &twist).unwrap();
-        writer.robot_state(time, RobotId(1), &at, Command { linear, angular }, traction).unwrap();
+        writer.robot_state(time, RobotId(1), &at, Command { linear, lateral, angular }, traction).unwrap();
         let (records, error) = read(&writer.finish().unwrap());
         prop_assert!(error.is_none(), "{error:?}");
         let [_, Record::LoadState(load), _, Record::RobotState(robot), _] = records.as_slice() else {

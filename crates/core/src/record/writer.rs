@@ -85,8 +85,8 @@ impl<W: Write> LogWriter<W> {
         self.message(self.header.robot_channel(robot, RobotTopic::Decision)?, time, &decided)?;
         self.write(self.header.robot_channel(robot, RobotTopic::CmdVel)?, time, |frames, out| {
             let header = standard::Header { stamp: time.into(), frame_id: frames.robot(robot) };
-            let Command { linear, angular } = decision.command;
-            TwistStamped { header, linear: [linear, 0.0, 0.0], angular: [0.0, 0.0, angular] }.encode(out);
+            let Command { linear, lateral, angular } = decision.command;
+            TwistStamped { header, linear: [linear, lateral, 0.0], angular: [0.0, 0.0, angular] }.encode(out);
         })
     }
 

@@ -1,6 +1,9 @@
 //! The scenario file as data. The JSON Schema in `scenarios/` is made from these structs.
 
+mod mission;
 mod r2p2;
+mod settings;
+mod vlf;
 
 use std::collections::BTreeMap;
 
@@ -8,7 +11,10 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use r2p2::{Prevent, R2p2, Stance, Support, Variant};
+pub use mission::{Controller, Mission, Point};
+pub use r2p2::{Drive, Prevent, R2p2, Reposition, Stance, Support, Variant};
+pub use settings::{Physics, Sensors, Start};
+pub use vlf::Vlf;
 
 const NAME_PATTERN: &str = "^[A-Za-z0-9_-]{1,64}$";
 
@@ -343,6 +349,8 @@ pub enum RobotKind {
     /// TurtleBot3 Burger: round, radius 0.105 m, 1.0 kg, 0.22 m/s, 2.84 rad/s.
     #[default]
     Turtlebot3Burger,
+    /// The same body on a base that drives in any direction.
+    Omnidirectional,
 }
 
 /// Extra mass on a robot.
@@ -438,128 +446,4 @@ pub enum Caging {
     Partial,
     /// Nothing.
     None,
-}
-
-/// What a team shall reach.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
-pub struct Mission {
-    /// Points that the load's centre passes in this order, before the goal. Leave the key out for a mission without any:
-    /// an empty list is refused.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[garde(length(max = 1000), dive)]
-    #[schemars(length(min = 1))]
-    pub waypoints: Vec<Point>,
-    /// Where the load's centre shall end.
-    #[garde(dive)]
-    pub goal: Point,
-    /// Distance at which a waypoint and the goal count as reached, m.
-    #[serde(default = "Mission::default_tolerance")]
-    #[garde(range(min = 0.001, max = 10.0))]
-    pub tolerance: f64,
-    /// Time allowed, s.
-    #[serde(default = "Mission::default_time_limit")]
-    #[garde(range(min = 0.1, max = 1e6))]
-    pub time_limit: f64,
-}
-
-impl Mission {
-    /// The waypoints and the goal, in the order in which the load passes them.
-    pub fn points(&self) -> impl Iterator<Item = &Point> {
-        self.waypoints.iter().chain([&self.goal])
-    }
-
-    const fn default_tolerance() -> f64 {
-        0.10
-    }
-
-    const fn default_time_limit() -> f64 {
-        1500.0
-    }
-}
-
-/// A point of the ground plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
-pub struct Point {
-    /// m.
-    #[garde(range(min = -1e4, max = 1e4))]
-    pub x: f64,
-    /// m.
-    #[garde(range(min = -1e4, max = 1e4))]
-    pub y: f64,
-}
-
-/// How each robot of a team decides.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[garde(allow_unvalidated)]
-pub enum Controller {
-    /// Roles with rules and proportional-control primitives.
-    R2p2(#[garde(dive)] R2p2),
-}
-
-/// How poses are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields, default)]
-#[garde(allow_unvalidated)]
-pub struct Sensors {
-    /// Rate, Hz.
-    #[garde(range(min = 0.1, max = 1000.0))]
-    pub rate_hz: f64,
-    /// Standard deviation of each coordinate, m.
-    #[garde(range(min = 0.0, max = 1.0))]
-    pub position_sd: f64,
-    /// Standard deviation of the yaw, degrees.
-    #[garde(range(min = 0.0, max = 180.0))]
-    pub yaw_sd_deg: f64,
-    /// Age of a pose when it arrives, s.
-    #[garde(range(min = 0.0, max = 10.0))]
-    pub latency: f64,
-    /// Share of the poses that get lost, 0 to 1.
-    #[garde(range(min = 0.0, max = 1.0))]
-    pub dropout: f64,
-    /// Age of the last pose at which a robot stops, s.
-    #[garde(range(min = 0.01, max = 60.0))]
-    pub timeout: f64,
-}
-
-impl Default for Sensors {
-    fn default() -> Self {
-        Self { rate_hz: 40.0, position_sd: 0.0, yaw_sd_deg: 0.0, latency: 0.0, dropout: 0.0, timeout: 0.15 }
-    }
-}
-
-/// Integration of the simulated world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields, default)]
-#[garde(allow_unvalidated)]
-pub struct Physics {
-    /// Time step, s.
-    #[garde(range(min = 1e-4, max = 0.1))]
-    pub step: f64,
-    /// Solver iterations per step.
-    #[garde(range(min = 1, max = 64))]
-    pub iterations: u32,
-}
-
-impl Default for Physics {
-    fn default() -> Self {
-        Self { step: 0.01, iterations: 2 }
-    }
-}
-
-/// Random displacement of every body at the start, uniform and independent, drawn from the seed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields, default)]
-#[garde(allow_unvalidated)]
-pub struct Start {
-    /// Half-width for each coordinate, m.
-    #[garde(range(min = 0.0, max = 1.0))]
-    pub position_jitter: f64,
-    /// Half-width for the yaw, degrees.
-    #[garde(range(min = 0.0, max = 180.0))]
-    pub yaw_jitter_deg: f64,
 }

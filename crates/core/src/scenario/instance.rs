@@ -6,7 +6,7 @@ use super::document::{Ballast, BallastPlace, Load, Pose, RobotKind, Robots, Scen
 use super::error::Problem;
 use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::id::{LoadId, RobotId};
-use crate::kinematics::UnicycleLimits;
+use crate::kinematics::BaseLimits;
 use crate::robot::RobotModel;
 use crate::se2::{Pose2, pose};
 use crate::transport::formation::{Formation, FormationError};
@@ -160,8 +160,9 @@ impl Robots {
     pub fn model(&self) -> RobotModel {
         let base = match self.model {
             RobotKind::Turtlebot3Burger => RobotModel::TURTLEBOT3_BURGER,
+            RobotKind::Omnidirectional => RobotModel::OMNIDIRECTIONAL,
         };
-        let limits = UnicycleLimits {
+        let limits = BaseLimits {
             linear_acceleration: self.acceleration,
             angular_acceleration: self.angular_acceleration,
             command_step: self.command_step,

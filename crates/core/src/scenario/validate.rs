@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::document::{Caging, Controller, Point, Scenario, Slots, Team};
+use super::document::{Caging, Controller, Point, R2p2, Scenario, Slots, Team};
 use super::error::{Fault, Problem};
 use super::instance::Instance;
 use super::tree::{Node, Value};
@@ -137,29 +137,35 @@ impl Rules<'_> {
             {
                 return Err(self.fault(&waypoints.clone(), Problem::EmptyWaypoints { path: waypoints }));
             }
-            let Controller::R2p2(r2p2) = &team.controller;
-            let keys = format!("teams.{i}.controller.r2p2");
-            let base = team.robots.model().limits.linear;
-            if let Some(low) = r2p2.speed_min
-                && low > r2p2.speed_max.unwrap_or(base)
-            {
-                let high = r2p2.speed_max.map_or(format!("the base's {base} m/s"), |high| format!("speed_max {high}"));
-                return self.contradiction(
-                    format!("{keys}.speed_min"),
-                    format!("{low} m/s is more than {high}"),
-                    "lower speed_min or raise speed_max up to what the base can do",
-                );
+            if let Controller::R2p2(r2p2) = &team.controller {
+                self.r2p2(i, team, r2p2)?;
             }
-            if let (Some(release), Some(threshold)) = (r2p2.heading_release, r2p2.heading_threshold)
-                && release > threshold
-            {
-                let reason = format!("{release} rad is more than heading_threshold {threshold}");
-                return self.contradiction(
-                    format!("{keys}.heading_release"),
-                    reason,
-                    "a rotation ends below the error that starts it: lower heading_release",
-                );
-            }
+        }
+        Ok(())
+    }
+
+    fn r2p2(&self, i: usize, team: &Team, r2p2: &R2p2) -> Result<(), Fault> {
+        let keys = format!("teams.{i}.controller.r2p2");
+        let base = team.robots.model().limits.linear;
+        if let Some(low) = r2p2.speed_min
+            && low > r2p2.speed_max.unwrap_or(base)
+        {
+            let high = r2p2.speed_max.map_or(format!("the base's {base} m/s"), |high| format!("speed_max {high}"));
+            return self.contradiction(
+                format!("{keys}.speed_min"),
+                format!("{low} m/s is more than {high}"),
+                "lower speed_min or raise speed_max up to what the base can do",
+            );
+        }
+        if let (Some(release), Some(threshold)) = (r2p2.heading_release, r2p2.heading_threshold)
+            && release > threshold
+        {
+            let reason = format!("{release} rad is more than heading_threshold {threshold}");
+            return self.contradiction(
+                format!("{keys}.heading_release"),
+                reason,
+                "a rotation ends below the error that starts it: lower heading_release",
+            );
         }
         Ok(())
     }

@@ -13,7 +13,8 @@
 //! [R2P2]: crate::_documentation::references
 
 use crate::control::{Command, Phase};
-use crate::se2::wrap_angle;
+use crate::se2::{Pose2, position, wrap_angle, yaw};
+use crate::transport::formation::Slot;
 
 /// Thresholds and speeds of the manoeuvre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,19 @@ pub struct Deviation {
     pub gap: f64,
     /// Heading minus facing, (−π, π], rad.
     pub heading: f64,
+}
+
+impl Deviation {
+    /// Where a robot of `radius` m at `load_from_robot` is relative to `slot`.
+    pub fn new(slot: &Slot, radius: f64, load_from_robot: &Pose2) -> Self {
+        let in_load = position(load_from_robot);
+        let facing = slot.facing;
+        Self {
+            tangential: slot.tangent().dot(&(in_load - slot.contact)),
+            gap: facing.dot(&(slot.contact - in_load)) - radius,
+            heading: wrap_angle(yaw(load_from_robot) - facing.y.atan2(facing.x)),
+        }
+    }
 }
 
 /// Lowest speed that the truncation of commands leaves effective, m/s and rad/s.
@@ -83,7 +97,7 @@ impl Repositioning {
                 let along_tangent = if deviation.heading < 0.0 { 1.0 } else { -1.0 };
                 let wanted = -GAIN * deviation.tangential;
                 let speed = wanted.signum() * wanted.abs().clamp(CREEP, self.speed);
-                return (phase, Command { linear: along_tangent * speed, angular: GAIN * error });
+                return (phase, Command::drive(along_tangent * speed, GAIN * error));
             }
             if stays_parallel {
                 return (Phase::Work, Command::STOP);
@@ -99,7 +113,7 @@ impl Repositioning {
         let ahead = deviation.gap - wanted_gap;
         if phase == Phase::Approach && ahead > self.gap {
             let linear = (GAIN * ahead).clamp(CREEP, self.speed / 2.0);
-            return (phase, Command { linear, angular: -GAIN * deviation.heading });
+            return (phase, Command::drive(linear, -GAIN * deviation.heading));
         }
         (Phase::Work, Command::STOP)
     }
@@ -114,7 +128,7 @@ impl Repositioning {
 
 /// A turn on the spot by `error` rad.
 fn turn(error: f64) -> Command {
-    Command { linear: 0.0, angular: error.signum() * (GAIN * error.abs()).clamp(2.0 * CREEP, 1.5) }
+    Command::drive(0.0, error.signum() * (GAIN * error.abs()).clamp(2.0 * CREEP, 1.5))
 }
 
 #[cfg(test)]

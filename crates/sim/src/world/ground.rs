@@ -21,7 +21,7 @@ use cohaul_core::contact::friction::{FrictionSolver, Inertia};
 use cohaul_core::contact::limit_surface::{LimitSurface, SupportPoint};
 use cohaul_core::control::Command;
 use cohaul_core::id::{LoadId, RobotId};
-use cohaul_core::kinematics::UnicycleLimits;
+use cohaul_core::kinematics::BaseLimits;
 use cohaul_core::se2::{Pose2, Twist2};
 use cohaul_core::time::Time;
 use nalgebra::{Vector2, Vector3};
@@ -34,6 +34,8 @@ pub(super) trait Engine: Send {
     fn pose(&self, body: usize) -> Pose2;
     /// Velocity of a body's centre, world frame.
     fn twist(&self, body: usize) -> Twist2;
+    /// Moves a body elsewhere.
+    fn set_pose(&mut self, body: usize, pose: &Pose2);
     /// Replaces the velocity of a body.
     fn set_twist(&mut self, body: usize, twist: &Twist2);
     /// Replaces the force (N) and torque (N·m) on a body for the next step, world frame.
@@ -80,7 +82,7 @@ impl Body {
 
 /// The commanded motion of one robot's wheels.
 struct Drive {
-    limits: UnicycleLimits,
+    limits: BaseLimits,
     speeds: Command,
     /// Forward speed and yaw rate of the robot after the last step.
     actual: Command,
@@ -176,7 +178,7 @@ pub(super) fn robot_moment(mass: f64, radius: f64) -> f64 {
 fn wheel_motion(drives: &[Drive], loads: usize, body: usize) -> Vector3<f64> {
     body.checked_sub(loads).map_or_else(Vector3::zeros, |robot| {
         let speeds = drives[robot].speeds;
-        Vector3::new(speeds.linear, 0.0, speeds.angular)
+        Vector3::new(speeds.linear, speeds.lateral, speeds.angular)
     })
 }
 
@@ -213,6 +215,16 @@ impl<E: Engine> World for GroundedWorld<E> {
         self.drives[robot.index()].power
     }
 
+    fn place(&mut self, robot: RobotId, world_from_robot: &Pose2) {
+        let index = self.robot_body(robot);
+        self.engine.set_pose(index, world_from_robot);
+        self.engine.set_twist(index, &Twist2::ZERO);
+        // what it felt where it was says nothing about where it is
+        self.bodies[index].contact = Vector3::zeros();
+        self.bodies[index].solver.reset();
+        self.drives[robot.index()].speeds = Command::STOP;
+    }
+
     fn step(&mut self, commands: &[Command]) {
         for (drive, command) in self.drives.iter_mut().zip(commands) {
             drive.speeds = drive.limits.approach(drive.speeds, drive.limits.accepted(*command), self.step);
@@ -242,7 +254,11 @@ impl<E: Engine> World for GroundedWorld<E> {
             let after = body.after_friction(&free, &heading, &ground);
             self.engine.set_twist(index, &Twist2::new(after.x, after.y, after.z));
             if let Some(drive) = index.checked_sub(self.loads).and_then(|robot| self.drives.get_mut(robot)) {
-                drive.actual = Command { linear: heading.x * after.x + heading.y * after.y, angular: after.z };
+                drive.actual = Command {
+                    linear: heading.x * after.x + heading.y * after.y,
+                    lateral: heading.x * after.y - heading.y * after.x,
+                    angular: after.z,
+                };
                 drive.traction = body.friction.xy().norm() / self.step;
                 drive.power = (body.friction.dot(&after) / self.step).max(0.0);
             }

@@ -90,6 +90,9 @@ pub trait World: Send {
     /// Power that the ground fed into a robot in the last step, W; braking counts as zero.
     fn traction_power(&self, robot: RobotId) -> f64;
 
+    /// Puts a robot somewhere else, at rest.
+    fn place(&mut self, robot: RobotId, world_from_robot: &Pose2);
+
     /// Advances one step; `commands` holds one velocity command per robot.
     fn step(&mut self, commands: &[Command]);
 }

@@ -90,6 +90,10 @@ impl Engine for PlanarEngine {
         Twist2::new(f64::from(linear.x), f64::from(linear.y), f64::from(body.angvel()))
     }
 
+    fn set_pose(&mut self, body: usize, to: &Pose2) {
+        self.world.bodies[self.bodies[body]].set_position(pose(to), false);
+    }
+
     fn set_twist(&mut self, body: usize, twist: &Twist2) {
         let body = &mut self.world.bodies[self.bodies[body]];
         body.set_linvel(vector(&twist.linear), false);

@@ -124,6 +124,12 @@ impl Engine for SpatialEngine {
         Twist2::new(f64::from(linear.x), f64::from(linear.y), f64::from(angular.z))
     }
 
+    fn set_pose(&mut self, body: usize, to: &Pose2) {
+        let body = &mut self.world.bodies[self.bodies[body]];
+        let height = body.translation().z;
+        body.set_position(pose(to, f64::from(height)), false);
+    }
+
     fn set_twist(&mut self, body: usize, twist: &Twist2) {
         let body = &mut self.world.bodies[self.bodies[body]];
         let (linear, angular) = (body.linvel(), body.angvel());

@@ -63,7 +63,7 @@ pub struct RobotState {
     pub robot: RobotId,
     /// Its pose.
     pub world_from_robot: Pose2,
-    /// Its forward speed, m/s, and yaw rate, rad/s.
+    /// Its forward and sideways speed, m/s, and yaw rate, rad/s.
     pub speeds: Command,
     /// Force of its wheels along its heading, N.
     pub traction: f64,
@@ -100,6 +100,10 @@ fn encode_twist(twist: &Twist2, out: &mut Encoder<'_>) {
 
 fn decode_twist(input: &mut Decoder<'_>) -> Result<Twist2, CdrError> {
     Ok(Twist2::new(input.f64()?, input.f64()?, input.f64()?))
+}
+
+fn decode_command(input: &mut Decoder<'_>) -> Result<Command, CdrError> {
+    Ok(Command { linear: input.f64()?, lateral: input.f64()?, angular: input.f64()? })
 }
 
 /// Place of `value` in `all`; [`NONE`] if it is absent.
@@ -165,6 +169,7 @@ impl Message<'_> for Decided {
         out.i64(self.time.nanos());
         out.u16(self.robot.0);
         out.f64(decision.command.linear);
+        out.f64(decision.command.lateral);
         out.f64(decision.command.angular);
         out.bool(decision.stop);
         out.u8(number(&Primitive::ALL, decision.primitive.as_ref()));
@@ -184,7 +189,7 @@ impl Message<'_> for Decided {
             time: Time::from_nanos(input.i64()?),
             robot: RobotId(input.u16()?),
             decision: Decision {
-                command: Command { linear: input.f64()?, angular: input.f64()? },
+                command: decode_command(input)?,
                 stop: input.bool("stop")?,
                 primitive: decode_option(&Primitive::ALL, "primitive", input)?,
                 role: decode_option(&Role::ALL, "role", input)?,
@@ -252,6 +257,7 @@ impl Message<'_> for RobotState {
         out.u16(self.robot.0);
         encode_pose(&self.world_from_robot, out);
         out.f64(self.speeds.linear);
+        out.f64(self.speeds.lateral);
         out.f64(self.speeds.angular);
         out.f64(self.traction);
     }
@@ -261,7 +267,7 @@ impl Message<'_> for RobotState {
             time: Time::from_nanos(input.i64()?),
             robot: RobotId(input.u16()?),
             world_from_robot: decode_pose(input)?,
-            speeds: Command { linear: input.f64()?, angular: input.f64()? },
+            speeds: decode_command(input)?,
             traction: input.f64()?,
         })
     }

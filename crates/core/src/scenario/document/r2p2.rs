@@ -52,8 +52,10 @@ pub struct R2p2 {
     /// Speed per clearance at which a preventing robot returns to the edge, 1/s; eq. 4 has none.
     #[garde(range(min = 0.0, max = 100.0))]
     pub gap_gain: Option<f64>,
-    /// Whether robots reposition themselves.
-    pub reposition: Option<bool>,
+    /// How robots return to their slots.
+    pub reposition: Option<Reposition>,
+    /// Which way round the load travels.
+    pub drive: Option<Drive>,
     /// Control steps between two checks of the own slot.
     #[garde(range(min = 1, max = 1_000_000))]
     pub check_interval: Option<u32>,
@@ -109,4 +111,26 @@ pub enum Prevent {
     Paced,
     /// At the speed that the load has (eq. 4).
     Literal,
+}
+
+/// How robots return to their slots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Reposition {
+    /// They drive there while the others wait.
+    Drive,
+    /// The simulator puts them there at once, for a fixed penalty (R2P2, §VI); `physics.teleport_penalty`.
+    Teleport,
+    /// They do not.
+    Never,
+}
+
+/// Which way round a load travels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// Heading first, as in the paper.
+    Forward,
+    /// Heading first or last, whichever needs less turning.
+    Nearest,
 }

@@ -1,0 +1,265 @@
+//! Where the load has to go next: waypoint, primitive, heading error.
+//!
+//! # Source
+//! [R2P2] §IV-A: the load turns towards its waypoint, then moves along its heading. The choice itself is
+//! [`primitive::choose`].
+//!
+//! # Deviations
+//! - `drive: nearest` lets the load travel backwards where that needs less turning; the paper always drives heading first.
+//! - A goal may have an orientation: within half the tolerance of the goal the load turns on the spot until it has it. The
+//!   paper leaves the final orientation to chance.
+//! - A turn under way keeps its sense while the bearing crosses the half turn; the paper does not go beyond 75°.
+//!
+//! [R2P2]: crate::_documentation::references
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use super::ControlError;
+use crate::kinematics::BaseLimits;
+use crate::se2::{Pose2, position, unit, wrap_angle, yaw};
+use crate::transport::formation::{Formation, Slot};
+use crate::transport::primitive::{self, Primitive, Turn};
+
+/// Heading error beyond a quarter turn at which the load changes which way round it drives, rad.
+const TURN_AROUND: f64 = 0.3;
+/// Distance from the half turn within which a turn under way keeps its sense, rad.
+const HALF_TURN: f64 = 0.6;
+/// Share of the goal's tolerances that the team aims at before it turns, and with which it is done turning.
+const AIM: f64 = 0.5;
+
+/// What one robot is to do in one mission.
+#[derive(Clone, Debug)]
+pub struct Task<'a> {
+    /// The team's slots.
+    pub formation: &'a Formation,
+    /// The robot's place in the team.
+    pub place: usize,
+    /// Half the load's extent across its heading, m.
+    pub half_length: f64,
+    /// Points for the load's centre, world frame, m; the goal is the last.
+    pub waypoints: Vec<Vector2<f64>>,
+    /// Distance at which one counts as reached, m.
+    pub tolerance: f64,
+    /// Orientation at the goal, if one is asked for.
+    pub goal_yaw: Option<GoalYaw>,
+    /// Limits of the robot.
+    pub limits: BaseLimits,
+}
+
+impl Task<'_> {
+    /// The robot's slot.
+    ///
+    /// # Errors
+    /// A place that the formation does not have.
+    pub fn slot(&self) -> Result<Slot, ControlError> {
+        self.formation.slots().get(self.place).copied().ok_or(ControlError::Parameter {
+            parameter: "place",
+            value: self.place as f64,
+            expected: "a slot of the formation",
+        })
+    }
+}
+
+/// Orientation that a goal asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoalYaw {
+    /// Heading of the load in the world, rad.
+    pub yaw: f64,
+    /// How far off it may be, rad.
+    pub tolerance: f64,
+}
+
+/// The way of one load and how it is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guidance {
+    /// Points for the load's centre, world frame, m; the goal is the last.
+    pub waypoints: Vec<Vector2<f64>>,
+    /// Distance at which one counts as reached, m.
+    pub tolerance: f64,
+    /// Orientation at the goal.
+    pub goal_yaw: Option<GoalYaw>,
+    /// Heading error that starts a rotation, rad (ε).
+    pub threshold: f64,
+    /// Heading error that ends a rotation, rad.
+    pub release: f64,
+    /// Shortest signed angles.
+    pub wrap: bool,
+    /// Whether the load may travel backwards.
+    pub either_way: bool,
+}
+
+/// What is remembered from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Next waypoint.
+    pub waypoint: u16,
+    /// Motion of the last tick.
+    pub primitive: Option<Primitive>,
+    /// Whether the load travels backwards on this leg; not decided before its first tick.
+    pub backwards: Option<bool>,
+    /// Whether the load is turning to its final orientation.
+    pub aligning: bool,
+}
+
+/// The motion that comes next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Turn or translate.
+    pub primitive: Primitive,
+    /// Whether the primitive is another one than in the tick before.
+    pub changed: bool,
+    /// Wanted minus actual heading, rad.
+    pub heading_error: f64,
+    /// Distance of the load's centre from the waypoint, m.
+    pub distance: f64,
+    /// Unit vector to the waypoint, load frame.
+    pub direction: Vector2<f64>,
+}
+
+impl Guidance {
+    /// The motion for a load at `world_from_load`; `None` once the goal is reached.
+    pub fn next(&self, progress: &mut Progress, world_from_load: &Pose2) -> Option<Motion> {
+        let center = position(world_from_load);
+        let heading = yaw(world_from_load);
+        let target = loop {
+            let point = *self.waypoints.get(usize::from(progress.waypoint))?;
+            let distance = (point - center).norm();
+            let is_goal = usize::from(progress.waypoint) + 1 == self.waypoints.len();
+            let orientation = self.goal_yaw.filter(|_| is_goal);
+            let reached = match orientation {
+                None => distance < self.tolerance,
+                Some(goal) => {
+                    let limit = if progress.aligning { self.tolerance } else { AIM * self.tolerance };
+                    progress.aligning = distance < limit;
+                    progress.aligning && wrap_angle(goal.yaw - heading).abs() < AIM * goal.tolerance
+                }
+            };
+            if !reached {
+                break point;
+            }
+            progress.waypoint += 1;
+            progress.backwards = None;
+        };
+        let bearing = primitive::bearing(&center, &target);
+        let (heading_error, primitive) = if let (true, Some(goal)) = (progress.aligning, self.goal_yaw) {
+            let error = self.signed(goal.yaw - heading, progress.primitive);
+            // it turns until it is done
+            let turn = if error > 0.0 { Turn::Counterclockwise } else { Turn::Clockwise };
+            (error, Primitive::Rotate(turn))
+        } else {
+            let ahead =
+                if self.goes_backwards(progress, wrap_angle(bearing - heading)) { bearing - PI } else { bearing };
+            let error = self.signed(ahead - heading, progress.primitive);
+            (error, primitive::choose(error, progress.primitive, self.threshold, self.release))
+        };
+        let changed = progress.primitive != Some(primitive);
+        progress.primitive = Some(primitive);
+        Some(Motion {
+            primitive,
+            changed,
+            heading_error,
+            distance: (target - center).norm(),
+            direction: unit(wrap_angle(bearing - heading)),
+        })
+    }
+
+    /// Whether the load travels backwards, given the heading error of driving forwards.
+    fn goes_backwards(&self, progress: &mut Progress, error: f64) -> bool {
+        if !self.either_way {
+            return false;
+        }
+        let backwards = match progress.backwards {
+            None => error.abs() > FRAC_PI_2,
+            Some(true) => error.abs() > FRAC_PI_2 - TURN_AROUND,
+            Some(false) => error.abs() > FRAC_PI_2 + TURN_AROUND,
+        };
+        progress.backwards = Some(backwards);
+        backwards
+    }
+
+    /// The difference of two headings as an error, rad.
+    fn signed(&self, difference: f64, under_way: Option<Primitive>) -> f64 {
+        if !self.wrap {
+            return difference;
+        }
+        let error = wrap_angle(difference);
+        match under_way {
+            Some(Primitive::Rotate(Turn::Counterclockwise)) if error < HALF_TURN - PI => error + TAU,
+            Some(Primitive::Rotate(Turn::Clockwise)) if error > PI - HALF_TURN => error - TAU,
+            _ => error,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::se2::pose;
+
+    fn guidance(goal: (f64, f64)) -> Guidance {
+        Guidance {
+            waypoints: vec![Vector2::new(goal.0, goal.1)],
+            tolerance: 0.1,
+            goal_yaw: None,
+            threshold: 0.2,
+            release: 0.1,
+            wrap: true,
+            either_way: false,
+        }
+    }
+
+    #[test]
+    fn a_turn_keeps_its_sense_across_the_half_turn() {
+        let straight_back = guidance((-1.0, 0.0));
+        let mut progress = Progress::default();
+        let first = straight_back.next(&mut progress, &pose(0.0, 0.0, -0.01)).unwrap();
+        let sense = first.primitive;
+        for k in 0..20 {
+            let shaken = 0.03 * f64::from(k % 3 - 1);
+            let motion = straight_back.next(&mut progress, &pose(0.0, 0.0, shaken)).unwrap();
+            assert_eq!(motion.primitive, sense);
+            assert!((motion.heading_error.abs() - PI).abs() < 0.05);
+        }
+    }
+
+    /// Going back 170° takes a turn of 10° when the load may travel backwards, and the direction says so.
+    #[test]
+    fn driving_either_way_turns_less() {
+        let mut either = guidance(((170.0_f64).to_radians().cos(), (170.0_f64).to_radians().sin()));
+        either.either_way = true;
+        let mut progress = Progress::default();
+        let motion = either.next(&mut progress, &pose(0.0, 0.0, 0.0)).unwrap();
+        assert!((motion.heading_error + 10.0_f64.to_radians()).abs() < 1e-12);
+        assert_eq!(motion.primitive, Primitive::Translate);
+        assert!(motion.direction.x < -0.98);
+        // a load that hangs about the quarter turn does not change its mind
+        let mut progress = Progress::default();
+        let mut quarter = guidance((0.0, 1.0));
+        quarter.either_way = true;
+        quarter.next(&mut progress, &pose(0.0, 0.0, 0.05)).unwrap();
+        let chosen = progress.backwards;
+        for k in 0..20 {
+            quarter.next(&mut progress, &pose(0.0, 0.0, 0.1 * f64::from(k % 3 - 1))).unwrap();
+            assert_eq!(progress.backwards, chosen);
+        }
+    }
+
+    #[test]
+    fn an_oriented_goal_is_done_when_place_and_heading_are_right() {
+        let mut oriented = guidance((1.0, 0.0));
+        oriented.goal_yaw = Some(GoalYaw { yaw: FRAC_PI_2, tolerance: 0.2 });
+        let mut progress = Progress::default();
+        let at = |progress: &mut Progress, x, heading| oriented.next(progress, &pose(x, 0.0, heading));
+        assert_eq!(at(&mut progress, 0.92, 0.0).unwrap().primitive, Primitive::Translate); // half the tolerance first
+        let motion = at(&mut progress, 0.96, 0.0).unwrap();
+        assert_eq!(motion.primitive, Primitive::Rotate(Turn::Counterclockwise));
+        assert!((motion.heading_error - FRAC_PI_2).abs() < 1e-12);
+        assert!(at(&mut progress, 0.93, 1.0).is_some()); // drifting within the tolerance is no reason to stop
+        assert!(at(&mut progress, 0.88, 1.0).is_some_and(|m| m.distance > 0.1));
+        assert!(!progress.aligning); // pushed out of it, the load goes back first
+        assert!(at(&mut progress, 0.97, 1.5).is_none());
+    }
+}
