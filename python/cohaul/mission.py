@@ -122,7 +122,8 @@ class Outcome:
     final_error_m: float
     """Distance of the load's centre from its goal at the last step, m."""
     final_yaw_error_rad: float
-    """Bearing from the last waypoint to the goal minus the load's heading at the last step, absolute, rad."""
+    """Heading that the goal asks for, or else the bearing from the last waypoint to the goal, minus the load's heading at the
+    last step, absolute, rad."""
     waypoints_reached: int
     """Waypoints passed, goals included."""
     repositions: int
@@ -145,6 +146,8 @@ class Outcome:
     """Traction work of the robots, J."""
     caging_violation_s: float
     """Time during which the robots did not enclose the load's centre, s."""
+    penalty_s: float
+    """Time added for robots that were put into their slots, s; not part of `time_s`."""
     seed: int
     """Seed of everything random."""
     world: str

@@ -22,7 +22,7 @@ FLAT = ROOT / "scenarios" / "r2p2" / "flat.yaml"
 RUN_KEYS = set(
     "outcome success time_s final_error_m final_yaw_error_rad waypoints_reached repositions reposition_time_s "
     "min_robot_distance_m min_clearance_m path_length_m path_deviation_rms_m path_deviation_max_m control_effort "
-    "energy_j caging_violation_s seed world log page cpu_s wall_s real_time_factor".split()
+    "energy_j caging_violation_s penalty_s seed world log page cpu_s wall_s real_time_factor".split()
 )
 
 # more than a million records, if it were left alone: 1,600 s towards a goal out of reach
