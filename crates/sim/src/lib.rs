@@ -11,5 +11,6 @@ pub mod page;
 pub mod replay;
 mod score;
 pub mod sensor;
+pub mod statistics;
 pub mod stopwatch;
 pub mod world;
