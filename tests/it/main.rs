@@ -6,3 +6,4 @@ mod contact;
 mod layering;
 mod missions;
 mod scenarios;
+mod trials;

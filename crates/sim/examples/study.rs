@@ -9,6 +9,7 @@ use cohaul_core::scenario::Override;
 use cohaul_sim::episode::{NoRecorder, run};
 use cohaul_sim::files;
 use cohaul_sim::outcome::Outcome;
+use cohaul_sim::statistics::{ascending, quantile, wilson};
 use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,19 +36,17 @@ fn main() -> Result<(), Box<dyn Error>> {
                 })
                 .collect::<Result<_, _>>()?;
             let reached: Vec<&Outcome> = outcomes.iter().map(|(_, o)| o).filter(|o| o.success).collect();
-            let mut times: Vec<f64> = reached.iter().map(|o| o.time_s).collect();
-            times.sort_by(f64::total_cmp);
-            let quantile = |q: f64| times.get(((times.len().max(1) - 1) as f64 * q).round() as usize).copied();
-            let (low, high) = wilson(reached.len() as f64, count as f64);
+            let times = ascending(&reached.iter().map(|o| o.time_s).collect::<Vec<f64>>());
+            let (low, high) = wilson(reached.len(), outcomes.len());
             let share = reached.iter().map(|o| o.reposition_time_s / o.time_s).sum::<f64>() / reached.len() as f64;
             println!(
                 "{world:<9}{name:<10}{:>3}/{count:<4} [{:.3}, {:.3}]   {:>5.1} [{:.1}, {:.1}]      {:.0} %",
                 reached.len(),
                 low,
                 high,
-                quantile(0.5).unwrap_or(f64::NAN),
-                quantile(0.25).unwrap_or(f64::NAN),
-                quantile(0.75).unwrap_or(f64::NAN),
+                quantile(&times, 0.5),
+                quantile(&times, 0.25),
+                quantile(&times, 0.75),
                 100.0 * share,
             );
             for (seed, outcome) in outcomes.iter().filter(|(_, o)| !o.success) {
@@ -56,13 +55,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// 95 % interval of a proportion (Wilson).
-fn wilson(successes: f64, n: f64) -> (f64, f64) {
-    let z = 1.959_964;
-    let (p, z2) = (successes / n, z * z);
-    let middle = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = z / (1.0 + z2 / n) * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
-    ((middle - half).max(0.0), (middle + half).min(1.0))
 }

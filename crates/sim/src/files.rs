@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::SimError;
+use crate::experiment::trials::TrialError;
 use crate::mission::Mission;
 use crate::page;
 use crate::replay::{self, Replayed};
@@ -36,9 +37,12 @@ pub enum FileError {
     /// The mission or the log in it failed.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// The trials in it are damaged, or others.
+    #[error(transparent)]
+    Trials(#[from] TrialError),
 }
 
-fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FileError {
+pub(crate) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FileError {
     move |source| FileError::Io { action, path: path.to_owned(), source }
 }
 

@@ -4,6 +4,7 @@
 pub mod cli;
 pub mod episode;
 pub mod error;
+pub mod experiment;
 pub mod files;
 pub mod mission;
 pub mod outcome;
@@ -11,5 +12,6 @@ pub mod page;
 pub mod replay;
 mod score;
 pub mod sensor;
+pub mod statistics;
 pub mod stopwatch;
 pub mod world;

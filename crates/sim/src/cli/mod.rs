@@ -183,7 +183,7 @@ fn report(error: &FileError, json: bool) -> i32 {
         complain(&format!("error: {}", chain(error)));
     }
     match error {
-        FileError::Scenario(_) | FileError::Io { action: "read", .. } => BAD_INPUT,
+        FileError::Scenario(_) | FileError::Trials(_) | FileError::Io { action: "read", .. } => BAD_INPUT,
         FileError::Sim(SimError::Record(RecordError::NotALog)) => BAD_INPUT,
         _ => FAILED,
     }

@@ -1,0 +1,8 @@
+//! Experiments: many trials, their table, and what it says.
+
+mod columns;
+mod lines;
+pub mod store;
+pub mod summary;
+pub mod table;
+pub mod trials;
