@@ -40,6 +40,9 @@ pub enum FileError {
     /// The trials in it are damaged, or others.
     #[error(transparent)]
     Trials(#[from] TrialError),
+    /// The threads of an experiment could not be started.
+    #[error("cannot start the threads: {0}")]
+    Threads(String),
 }
 
 pub(crate) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FileError {

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use cohaul_core::control::twist::TwistEstimator;
+use cohaul_core::control::filter::{FilterModel, PoseFilter};
 use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::document::Sensors;
 use cohaul_core::se2::{Pose2, Twist2};
@@ -16,8 +16,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::world::World;
 
-/// Time constant of the velocity estimate, s.
-const TWIST_TIME_CONSTANT: f64 = 0.05;
+/// Accelerations that the robots' filters expect of robots and loads, m/s² and rad/s².
+const ROBOT_AGILITY: (f64, f64) = (1.0, 4.0);
+const LOAD_AGILITY: (f64, f64) = (0.5, 1.0);
 
 /// What one robot has received last.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +44,8 @@ struct Sample {
 struct Receiver {
     load: LoadId,
     latest: Received,
-    estimator: TwistEstimator,
+    load_filter: PoseFilter,
+    robot_filter: PoseFilter,
 }
 
 /// The measuring system and every robot's receiver.
@@ -81,9 +83,11 @@ impl SensorSystem {
                     world_from_load: world.load_pose(*load),
                     load_twist_in_world: Twist2::ZERO,
                 };
-                let mut estimator = TwistEstimator::new(TWIST_TIME_CONSTANT);
-                estimator.update(Time::ZERO, &latest.world_from_load);
-                Receiver { load: *load, latest, estimator }
+                let mut load_filter = PoseFilter::new(model(&settings, LOAD_AGILITY));
+                load_filter.update(Time::ZERO, &latest.world_from_load);
+                let mut robot_filter = PoseFilter::new(model(&settings, ROBOT_AGILITY));
+                robot_filter.update(Time::ZERO, &latest.world_from_robot);
+                Receiver { load: *load, latest, load_filter, robot_filter }
             })
             .collect();
         let phase: f64 = random.random();
@@ -113,12 +117,13 @@ impl SensorSystem {
             for (robot, receiver) in self.receivers.iter_mut().enumerate() {
                 if sample.received[robot] {
                     let load = sample.loads[receiver.load.index()];
-                    receiver.estimator.update(sample.sampled, &load);
+                    receiver.load_filter.update(sample.sampled, &load);
+                    receiver.robot_filter.update(sample.sampled, &sample.robots[robot]);
                     receiver.latest = Received {
                         sampled: sample.sampled,
-                        world_from_robot: sample.robots[robot],
-                        world_from_load: load,
-                        load_twist_in_world: receiver.estimator.twist_in_world(),
+                        world_from_robot: receiver.robot_filter.pose().unwrap_or(sample.robots[robot]),
+                        world_from_load: receiver.load_filter.pose().unwrap_or(load),
+                        load_twist_in_world: receiver.load_filter.twist_in_world(),
                     };
                 }
             }
@@ -172,6 +177,16 @@ impl SensorSystem {
             noisy.rotation *= UnitComplex::new(yaw_sd_deg.to_radians() * a);
         }
         noisy
+    }
+}
+
+/// What a robot's filter knows of its sensors and of a body with these accelerations.
+fn model(settings: &Sensors, (acceleration, angular_acceleration): (f64, f64)) -> FilterModel {
+    FilterModel {
+        position_sd: settings.position_sd,
+        yaw_sd: settings.yaw_sd_deg.to_radians(),
+        acceleration,
+        angular_acceleration,
     }
 }
 

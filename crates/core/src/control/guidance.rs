@@ -120,7 +120,7 @@ pub struct Motion {
 }
 
 impl Guidance {
-    /// The motion for a load at `world_from_load`; `None` once the goal is reached.
+    /// The motion for a load at `world_from_load`; `None` while it is at the goal.
     pub fn next(&self, progress: &mut Progress, world_from_load: &Pose2) -> Option<Motion> {
         let center = position(world_from_load);
         let heading = yaw(world_from_load);
@@ -139,6 +139,10 @@ impl Guidance {
             };
             if !reached {
                 break point;
+            }
+            if is_goal {
+                // not for good: whoever pushes it off again, or a measurement that was wrong, finds the team ready
+                return None;
             }
             progress.waypoint += 1;
             progress.backwards = None;

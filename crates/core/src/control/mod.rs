@@ -4,10 +4,10 @@
 //! controllers behind the same [`guard`].
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+pub mod filter;
 pub mod guard;
 pub mod guidance;
 pub mod r2p2;
-pub mod twist;
 pub mod vlf;
 
 use serde::{Deserialize, Serialize};

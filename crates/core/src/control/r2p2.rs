@@ -343,6 +343,7 @@ impl Controller for R2p2 {
         let Some(motion) = motion else {
             memory.phase = Phase::Done;
             decision.phase = Phase::Done;
+            decision.waypoint += 1;
             return Ok(decision);
         };
 

@@ -189,6 +189,7 @@ impl Controller for Vlf {
         let Some(motion) = motion else {
             memory.phase = Phase::Done;
             decision.phase = Phase::Done;
+            decision.waypoint += 1;
             return Ok(decision);
         };
         decision.primitive = Some(motion.primitive);

@@ -7,6 +7,7 @@ mod check;
 mod progress;
 mod recover;
 mod replay;
+mod reproduce;
 mod run;
 
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -43,6 +44,8 @@ struct Cli {
 enum Verb {
     /// Run a mission: check the scenario, simulate it, write its log and its replay page.
     Run(run::Run),
+    /// Re-run a published table and print it beside the paper's numbers.
+    Reproduce(reproduce::Reproduce),
     /// Check a scenario file without running it.
     Check(check::Check),
     /// Print the JSON Schema of scenario files.
@@ -71,6 +74,16 @@ enum World {
     Spatial,
 }
 
+impl World {
+    /// As in scenario files.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Planar => "planar",
+            Self::Spatial => "spatial",
+        }
+    }
+}
+
 /// Runs the command line `args`, the program's name first; `interrupted` is asked now and then whether to stop. Gives the
 /// exit status.
 pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
@@ -85,6 +98,7 @@ pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
     };
     let (done, json) = match cli.command {
         Verb::Run(arguments) => (run::run(&arguments, interrupted), arguments.common.json),
+        Verb::Reproduce(arguments) => (reproduce::reproduce(&arguments, interrupted), arguments.json),
         Verb::Check(arguments) => (check::check(&arguments), arguments.common.json),
         Verb::Schema => {
             say(&scenario::schema());
@@ -112,11 +126,7 @@ fn overrides(texts: &[String]) -> Result<Vec<Override>, ScenarioError> {
 fn parse(file: &Path, common: &Common, world: Option<World>) -> Result<Parsed, FileError> {
     let mut changes = overrides(&common.overrides)?;
     if let Some(world) = world {
-        let name = match world {
-            World::Planar => "planar",
-            World::Spatial => "spatial",
-        };
-        changes.push(Override::parse(&format!("world={name}"))?);
+        changes.push(Override::parse(&format!("world={}", world.name()))?);
     }
     let parsed = files::read_scenario(file, &changes)?;
     if !common.json {

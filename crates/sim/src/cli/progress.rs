@@ -38,3 +38,35 @@ impl Simulated {
         }
     }
 }
+
+/// Trials of an experiment on a terminal.
+pub(super) struct Counted(Option<ProgressBar>);
+
+impl Counted {
+    pub(super) fn new(name: &str, quiet: bool) -> Self {
+        if quiet || !stderr().is_terminal() {
+            return Self(None);
+        }
+        let bar = ProgressBar::new(1);
+        if let Ok(style) =
+            ProgressStyle::with_template("{prefix} {pos}/{len} trials {wide_bar} {elapsed} of about {duration}")
+        {
+            bar.set_style(style);
+        }
+        bar.set_prefix(name.to_owned());
+        Self(Some(bar))
+    }
+
+    pub(super) fn show(&self, done: usize, asked: usize) {
+        if let Some(bar) = &self.0 {
+            bar.set_length(asked as u64);
+            bar.set_position(done as u64);
+        }
+    }
+
+    pub(super) fn clear(&self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}

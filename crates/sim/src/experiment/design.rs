@@ -84,7 +84,7 @@ pub struct Cell {
 #[derive(Clone, Debug)]
 pub struct Design {
     base: Base,
-    key: Vec<(String, Level)>,
+    key: Key,
     changes: Vec<String>,
     paper: Map<String, Value>,
 }
@@ -92,13 +92,13 @@ pub struct Design {
 impl Design {
     /// A cell that runs `base` as it is.
     pub fn new(base: Base) -> Self {
-        Self { base, key: Vec::new(), changes: Vec::new(), paper: Map::new() }
+        Self { base, key: Key::new(), changes: Vec::new(), paper: Map::new() }
     }
 
     /// Names the cell's level of a factor.
     #[must_use]
     pub fn level(mut self, factor: &str, level: impl Into<Level>) -> Self {
-        self.key.push((factor.to_owned(), level.into()));
+        self.key = self.key.with(factor, level);
         self
     }
 
@@ -139,6 +139,6 @@ impl Design {
             overrides.push(Override::parse(change)?);
         }
         let scenario = scenario::parse(self.base.name, self.base.text.as_bytes(), &overrides)?;
-        Ok(Cell { key: Key::new(self.key), scenario, paper: self.paper })
+        Ok(Cell { key: self.key, scenario, paper: self.paper })
     }
 }
