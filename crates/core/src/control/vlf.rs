@@ -10,8 +10,8 @@
 //! The paper gives no law for the way to rᵢ′ and no speed. Here:
 //! - A differential drive heads for its place, forwards or backwards, whichever turns less, and slows down while it is off its
 //!   bearing. While the load translates it stands along the direction of travel.
-//! - A robot that has arrived while the load lags behind computes a new place from where it is; `replan: false` lets it wait
-//!   there, open-loop as the paper describes the method, until the time is over.
+//! - A robot that has arrived while the load lags behind computes a new place from where it is; otherwise it would stand
+//!   still until the time is over.
 //! - An omnidirectional base keeps facing the edge and drives straight: the kind of robot that [Wan2017] used, whom the paper
 //!   cites for the method.
 //!
@@ -145,12 +145,12 @@ impl Vlf {
         let heading = yaw(&observation.world_from_robot);
         let old = memory.target.filter(|_| !motion.changed).map(|[x, y]| Vector2::new(x, y));
         let target = match old {
-            Some(target) if !self.keys.replan || (target - at).norm() > self.keys.arrival => target,
+            Some(target) if (target - at).norm() > self.keys.arrival => target,
             _ => turned_place(&center, &at, motion.heading_error),
         };
         memory.target = Some([target.x, target.y]);
         let way = target - at;
-        if way.norm() <= self.keys.arrival {
+        if way.norm() < f64::EPSILON {
             return Command::STOP;
         }
         let speed = (self.keys.gain * way.norm()).min(self.keys.speed_max);

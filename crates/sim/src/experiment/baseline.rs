@@ -64,20 +64,19 @@ impl Experiment for BaselineVariants {
 
     fn about(&self) -> &'static str {
         "The missions of Table II (a) with two more readings of VLF: with omnidirectional robots, where the paper says that it \
-         works, and open-loop with differential drives, which compute no new places when the load lags behind (time limit \
-         400 s)."
+         works, and with differential drives that never reposition themselves (time limit 400 s)."
     }
 
     fn cells(&self) -> Vec<Design> {
         let omnidirectional = cells("vlf_omnidirectional", "{vlf: {}}")
             .into_iter()
             .map(|cell| cell.set("teams.0.robots.model", "omnidirectional").set("teams.0.mission.time_limit", 400));
-        let open_loop = Terrain::ALL.iter().flat_map(|terrain| {
+        let without = Terrain::ALL.iter().flat_map(|terrain| {
             BEARINGS.map(|b| {
-                let cell = cell("vlf_open_loop", "{vlf: {replan: false}}", *terrain, b);
+                let cell = cell("vlf_without_repositioning", "{vlf: {reposition: false}}", *terrain, b);
                 cell.set("teams.0.mission.time_limit", 400).paper("outcome", if b > 40.0 { "F-B" } else { "S" })
             })
         });
-        omnidirectional.chain(open_loop).collect()
+        omnidirectional.chain(without).collect()
     }
 }

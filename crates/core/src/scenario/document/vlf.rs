@@ -23,8 +23,6 @@ pub struct Vlf {
     /// Distance from its new place at which a robot has arrived, m.
     #[garde(range(min = 0.001, max = 1.0))]
     pub arrival: f64,
-    /// Whether robots that have arrived compute new places while the load lags behind; without, the way is open-loop.
-    pub replan: bool,
     /// Control rate, Hz.
     #[garde(range(min = 0.1, max = 1000.0))]
     pub rate_hz: f64,
@@ -57,7 +55,6 @@ impl Default for Vlf {
             speed_max: 0.22,
             gain: 1.0,
             arrival: 0.02,
-            replan: true,
             rate_hz: 20.0,
             heading_threshold: 0.2,
             heading_release: 0.1,
