@@ -41,6 +41,8 @@ impl PlanarEngine {
         world.gravity = Vector::ZERO;
         world.integration_parameters.dt = (setup.step_nanos as f64 * 1e-9) as f32;
         world.integration_parameters.num_solver_iterations = setup.iterations as usize;
+        // it freezes contact normals until a body has turned by 11°: a turning load would slip away from its robots
+        world.integration_parameters.contact_recycling = false;
         let mut bodies = Vec::new();
         for load in &setup.loads {
             let body = RigidBodyBuilder::dynamic().pose(pose(&load.world_from_load)).can_sleep(false);

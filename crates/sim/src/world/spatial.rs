@@ -54,6 +54,8 @@ impl SpatialEngine {
         world.gravity = Vector::new(0.0, 0.0, -setup.slope.normal as f32);
         world.integration_parameters.dt = (setup.step_nanos as f64 * 1e-9) as f32;
         world.integration_parameters.num_solver_iterations = setup.iterations as usize;
+        // it freezes contact normals until a body has turned by 11°: a turning load would slip away from its robots
+        world.integration_parameters.contact_recycling = false;
         let ground = ColliderBuilder::new(SharedShape::halfspace(Vector::Z))
             .friction(0.0)
             .friction_combine_rule(CoefficientCombineRule::Min)
