@@ -260,7 +260,7 @@ fn robots_that_turn_a_load_keep_touching_it() {
         "teams.0.robots={count: 2, command_step: 0}",
         "teams.0.formation.caging=none",
         "teams.0.mission={goal: {x: 0, y: 1000}, time_limit: 10}",
-        "teams.0.controller.r2p2={reposition: false, speed_min: 0.05, speed_max: 0.05}",
+        "teams.0.controller.r2p2={reposition: never, speed_min: 0.05, speed_max: 0.05}",
         "terrain.friction.dynamic=0.3",
         "start={}",
     ];

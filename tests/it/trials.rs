@@ -43,6 +43,7 @@ fn outcome(seed: u64, end: End) -> Outcome {
         control_effort: 12.3,
         energy_j: 4.5,
         caging_violation_s: 0.0,
+        penalty_s: 0.0,
     }
 }
 

@@ -57,7 +57,7 @@ teams:
     robots: {{count: {count}, command_step: 0}}
     formation: {{slots: {{custom: [{slots}]}}, caging: none}}
     mission: {{goal: {goal}, time_limit: {seconds}}}
-    controller: {{r2p2: {{reposition: false, speed_min: 0.05, speed_max: 0.05, {keys}}}}}
+    controller: {{r2p2: {{reposition: never, speed_min: 0.05, speed_max: 0.05, {keys}}}}}
 """
 
 
