@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use cohaul_core::control::Phase;
-use cohaul_core::id::LoadId;
+use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::document::Scenario;
 use cohaul_core::scenario::{Override, parse};
 use cohaul_core::se2::{wrap_angle, yaw};
@@ -156,22 +156,19 @@ fn followers_of_a_virtual_leader_arrive_with_either_base() {
     all_arrive("r2p2/single.yaml", cases.collect());
 }
 
-/// An omnidirectional base moves sideways as commanded, a differential drive only for the moment in which it is shoved.
+/// Facing the load's end, the robot follows its turn sideways: about 0.46 m for 45° at a lever of 0.79 m, less what the turn
+/// is ended early.
 #[test]
-fn only_an_omnidirectional_base_moves_sideways() {
-    for (model, sideways) in [("omnidirectional", true), ("turtlebot3_burger", false)] {
-        let changes = ["teams.0.controller={vlf: {}}".to_owned(), format!("teams.0.robots.model={model}")];
-        let scenario = scenario("r2p2/single.yaml", &changes);
-        let mut episode = Episode::new(&scenario).unwrap();
-        let mut sum = 0.0;
-        while episode.time().seconds() < 5.0 {
-            episode.advance(&mut NoRecorder).unwrap();
-            let lateral = episode.world().robot_speeds(cohaul_core::id::RobotId(2)).lateral;
-            sum += lateral.abs() * scenario.physics.step;
-        }
-        let expected = if sideways { 0.3..1.0 } else { 0.0..0.03 };
-        assert!(expected.contains(&sum), "{model}: {sum} m");
+fn an_omnidirectional_base_moves_sideways() {
+    let changes = ["teams.0.controller={vlf: {}}", "teams.0.robots.model=omnidirectional"].map(String::from);
+    let scenario = scenario("r2p2/single.yaml", &changes);
+    let mut episode = Episode::new(&scenario).unwrap();
+    let mut moved = 0.0;
+    while episode.time().seconds() < 5.0 {
+        episode.advance(&mut NoRecorder).unwrap();
+        moved += episode.world().robot_speeds(RobotId(2)).lateral.abs() * scenario.physics.step;
     }
+    assert!((0.3..0.7).contains(&moved), "{moved} m");
 }
 
 #[test]
