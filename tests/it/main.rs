@@ -4,6 +4,7 @@
 mod allocations;
 mod beyond;
 mod contact;
+mod experiments;
 mod layering;
 mod missions;
 mod scenarios;

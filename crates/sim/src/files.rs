@@ -40,6 +40,9 @@ pub enum FileError {
     /// The trials in it are damaged, or others.
     #[error(transparent)]
     Trials(#[from] TrialError),
+    /// A figure that cannot be drawn.
+    #[error("figure: {0}")]
+    Figure(String),
     /// The threads of an experiment could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),

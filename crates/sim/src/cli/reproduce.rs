@@ -157,5 +157,5 @@ fn one(
 fn write(experiment: &dyn Experiment, results: &Results, folder: &Path) -> Result<(), FileError> {
     store::write_parquet(&folder.join(store::TABLE), &results.trials)?;
     store::write_text(&folder.join("report.md"), &report::markdown(experiment, results))?;
-    Ok(())
+    experiment.figures(results, folder)
 }

@@ -11,6 +11,7 @@ mod breakaway;
 mod capacity;
 mod columns;
 pub mod design;
+pub mod figure;
 mod generalize;
 mod lines;
 mod missions;
@@ -26,6 +27,8 @@ mod terrain;
 mod tight;
 pub mod trials;
 pub mod verdict;
+
+use std::path::Path;
 
 use cohaul_core::scenario::document::Scenario;
 use cohaul_core::time::Time;
@@ -79,6 +82,14 @@ pub trait Experiment: Sync {
 
     /// Adds what the table needs beyond the outcome.
     fn measure(&self, _trial: &mut Trial) {}
+
+    /// Writes the figures, NAME.svg and NAME.png, into `folder`.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    fn figures(&self, results: &Results, folder: &Path) -> Result<(), FileError> {
+        figure::cells(results, folder)
+    }
 
     /// What the report says after the table of cells.
     fn sections(&self, _results: &Results) -> Vec<Section> {

@@ -10,12 +10,57 @@
 //!
 //! [R2P2]: cohaul_core::_documentation::references
 
-use super::Experiment;
+use std::path::Path;
+
 use super::design::{Design, SINGLE, Terrain};
+use super::figure::{self, Panels};
+use super::summary::CellSummary;
+use super::trials::Level;
+use super::{Experiment, Results};
+use crate::files::FileError;
+use crate::plot::{Lines, Series};
 
 /// Mass and friction of the undisturbed cell.
 const MASS: f64 = 2.0;
 const FRICTION: f64 = 0.01;
+
+/// Success over one disturbance, a series per terrain.
+fn curve(results: &Results, disturbance: &str, x: &str) -> Lines {
+    let wanted = Level::from(disturbance);
+    let series = Terrain::ALL
+        .iter()
+        .map(|terrain| {
+            let name = Level::from(terrain.name());
+            let cells = results.cells.iter().filter(|cell| {
+                cell.key.level("disturbance") == Some(&wanted) && cell.key.level("terrain") == Some(&name)
+            });
+            let of_level = |cell: &CellSummary| match cell.key.level("level") {
+                Some(Level::Number(level)) => *level,
+                _ => f64::NAN,
+            };
+            let (points, intervals) = cells
+                .map(|cell| {
+                    ((of_level(cell), cell.reached as f64 / cell.n.max(1) as f64), (cell.wilson[0], cell.wilson[1]))
+                })
+                .unzip();
+            Series {
+                name: terrain.name().to_owned(),
+                points,
+                intervals,
+                joined: true,
+                marked: true,
+                ..Series::default()
+            }
+        })
+        .collect();
+    Lines {
+        x: x.to_owned(),
+        y: "share that reached the goal".to_owned(),
+        y_shows: Some((0.0, 1.0)),
+        series,
+        ..Lines::default()
+    }
+}
 
 /// `r2p2-robustness`.
 pub struct Robustness;
@@ -28,6 +73,14 @@ impl Experiment for Robustness {
     fn about(&self) -> &'static str {
         "Success over pose noise (0 to 2 cm with 0 to 4°, at 40 Hz), lost poses, their age, and over mass and friction that \
          are half to one and a half times the nominal 2 kg and 0.01. Time limit 400 s."
+    }
+
+    fn figures(&self, results: &Results, folder: &Path) -> Result<(), FileError> {
+        let rows =
+            [("noise_cm", "sd of the position, cm"), ("dropout", "share of lost poses"), ("latency_ms", "latency, ms")];
+        let more = [("mass_factor", "mass ÷ 2 kg"), ("friction_factor", "friction ÷ 0.01")];
+        let row = |factors: &[(&str, &str)]| factors.iter().map(|(name, x)| curve(results, name, x)).collect();
+        figure::save(folder, self.name(), &Panels { rows: vec![row(&rows), row(&more)] })
     }
 
     fn cells(&self) -> Vec<Design> {

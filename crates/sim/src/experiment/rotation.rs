@@ -9,6 +9,8 @@
 //!
 //! [R2P2]: cohaul_core::_documentation::references
 
+use std::path::Path;
+
 use cohaul_core::control::{Decision, Observation};
 use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::document::Scenario;
@@ -19,12 +21,14 @@ use cohaul_core::transport::role::Role;
 use nalgebra::Vector2;
 
 use super::design::{Design, SINGLE};
+use super::figure::{self, Panels};
 use super::trials::{Trial, numbers};
 use super::{Experiment, Measured, Results, Section};
 use crate::episode::{self, Recorder};
 use crate::error::SimError;
-use crate::files::FileError;
+use crate::files::{self, FileError};
 use crate::outcome::End;
+use crate::plot::{Lines, Series};
 use crate::statistics::{ascending, quantile};
 use crate::world::World;
 
@@ -108,6 +112,23 @@ pub fn trace(
     Ok((outcome, recorder.instants))
 }
 
+/// The four traces below each other.
+fn panels(instants: &[Instant]) -> Panels {
+    let row = |y: &str, of: fn(&Instant) -> f64| {
+        let points = instants.iter().map(|instant| (instant.time, of(instant))).collect();
+        let series = vec![Series { points, joined: true, ..Series::default() }];
+        vec![Lines { x: "time, s".to_owned(), y: y.to_owned(), series, ..Lines::default() }]
+    };
+    let mut rows = vec![
+        row("heading error, °", |i| i.heading_error.to_degrees()),
+        row("load, rad/s", |i| i.yaw_rate),
+        row("push, m/s", |i| i.push),
+        row("prevent, m/s", |i| i.prevent),
+    ];
+    rows[0][0].title = "A turn of 75°".to_owned();
+    Panels { rows }
+}
+
 /// `r2p2-rotation`.
 pub struct Rotation;
 
@@ -148,6 +169,16 @@ impl Experiment for Rotation {
         let peak = instants.iter().map(|i| i.yaw_rate.abs()).fold(0.0, f64::max);
         trial.push("peak_yaw_rate", peak);
         Ok(Some(trial))
+    }
+
+    fn figures(&self, results: &Results, folder: &Path) -> Result<(), FileError> {
+        for design in self.cells() {
+            let cell = design.cell(&results.world, &[])?;
+            let scenario = files::draw(&cell.scenario, Some(results.seed))?;
+            let (_, instants) = trace(&scenario, &mut |_, _| false)?;
+            figure::save(folder, self.name(), &panels(&instants))?;
+        }
+        Ok(())
     }
 
     fn sections(&self, results: &Results) -> Vec<Section> {

@@ -13,12 +13,16 @@
 //! [R2P2]: cohaul_core::_documentation::references
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use super::design::{Design, SINGLE, Terrain};
+use super::figure::{self, Panels};
 use super::table::markdown_table;
 use super::trials::{Level, Trial};
 use super::verdict::{self, Verdict};
 use super::{Experiment, Results, Section};
+use crate::files::FileError;
+use crate::plot::{Lines, Series};
 use crate::statistics::bootstrap;
 
 /// Taguchi's L9(3⁴): levels of four factors in nine runs, every pair of levels once.
@@ -106,6 +110,18 @@ impl Experiment for Taguchi {
         }
     }
 
+    fn figures(&self, results: &Results, folder: &Path) -> Result<(), FileError> {
+        for reposition in ["teleport", "drive"] {
+            let rows = [("heuristics", &CONTROL), ("surroundings", &NOISE)]
+                .map(|(title, factors)| {
+                    Terrain::ALL.map(|terrain| profiles(results, reposition, terrain, title, factors)).to_vec()
+                })
+                .to_vec();
+            figure::save(folder, &format!("{}-{reposition}", self.name()), &Panels { rows })?;
+        }
+        Ok(())
+    }
+
     fn sections(&self, results: &Results) -> Vec<Section> {
         let mut sections = Vec::new();
         for reposition in ["teleport", "drive"] {
@@ -179,6 +195,39 @@ fn level_means(trials: &[&Trial], (name, levels): &Factor) -> [f64; 3] {
 /// Greatest minus least of the means, s.
 fn range(means: [f64; 3]) -> f64 {
     means.iter().copied().fold(f64::NEG_INFINITY, f64::max) - means.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Figs 8 and 9: level means of four factors, the mean of all dashed in the paper, a series here.
+fn profiles(results: &Results, reposition: &str, terrain: Terrain, title: &str, factors: &[Factor; 4]) -> Lines {
+    let trials = selected(results, reposition, terrain);
+    let mut series: Vec<Series> = factors
+        .iter()
+        .map(|factor| {
+            let means = level_means(&trials, factor);
+            Series {
+                name: format!("{} (Δ {:.1} s)", factor.0, range(means)),
+                points: (0..).zip(means).map(|(level, mean)| (f64::from(level), mean)).collect(),
+                joined: true,
+                marked: true,
+                ..Series::default()
+            }
+        })
+        .collect();
+    let all = mean(&times(&trials));
+    series.push(Series {
+        name: format!("mean {all:.1} s"),
+        points: vec![(0.0, all), (2.0, all)],
+        joined: true,
+        ..Series::default()
+    });
+    Lines {
+        title: format!("{}: {title}", terrain.name()),
+        x: "level".to_owned(),
+        y: "mean task time, s".to_owned(),
+        names: ["1", "2", "3"].map(String::from).to_vec(),
+        y_shows: None,
+        series,
+    }
 }
 
 fn overview(results: &Results, reposition: &str) -> Section {
