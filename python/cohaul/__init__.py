@@ -18,6 +18,7 @@ from cohaul._cohaul import VERSION as __version__
 from cohaul._cohaul import LimitSurface
 from cohaul.errors import (
     CohaulError,
+    CompareError,
     ContactError,
     ControlError,
     FileError,
@@ -27,11 +28,12 @@ from cohaul.errors import (
     ScenarioWarning,
     SimError,
 )
-from cohaul.log import Difference, Recovered, Replayed, recover, replay
+from cohaul.log import Difference, Recovered, Replayed, compare, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
 
 __all__ = [
     "CohaulError",
+    "CompareError",
     "ContactError",
     "ControlError",
     "Difference",
@@ -52,6 +54,7 @@ __all__ = [
     "__revision__",
     "__version__",
     "check",
+    "compare",
     "recover",
     "replay",
     "run",

@@ -34,6 +34,9 @@ def replay(path: str | PathLike[str]) -> dict[str, Any]:
 def recover(path: str | PathLike[str], out: str | PathLike[str] | None) -> dict[str, Any]:
     """Makes a valid log, at `out` or beside it, of what is left of the log at `path`."""
 
+def compare(a: str | PathLike[str], b: str | PathLike[str], fields: list[str], out: str | PathLike[str] | None) -> str:
+    """Compares two logs or two sets of trials; what `cohaul compare --json` prints."""
+
 class Scenario:
     """A valid scenario."""
 

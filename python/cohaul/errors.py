@@ -4,6 +4,7 @@ from __future__ import annotations
 
 __all__ = [
     "CohaulError",
+    "CompareError",
     "ContactError",
     "ControlError",
     "FileError",
@@ -62,6 +63,10 @@ class ScenarioError(_Located, CohaulError, ValueError):
 
 class ScenarioWarning(_Located, UserWarning):
     """Something in a scenario is allowed, but probably not meant."""
+
+
+class CompareError(CohaulError, ValueError):
+    """Two results have nothing to compare, are of different kinds, or lack a field."""
 
 
 class ContactError(CohaulError, ValueError):

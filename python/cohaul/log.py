@@ -1,14 +1,17 @@
-"""Logs: decided anew, rescued."""
+"""Logs: decided anew, rescued, compared; trials too."""
 
 from __future__ import annotations
 
+import json
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from cohaul import _cohaul
 
-__all__ = ["Difference", "Recovered", "Replayed", "recover", "replay"]
+__all__ = ["Difference", "Recovered", "Replayed", "compare", "recover", "replay"]
 
 
 @dataclass(frozen=True)
@@ -79,3 +82,27 @@ def recover(log: str | os.PathLike[str], *, out: str | os.PathLike[str] | None =
     `FileError`, and `RecordError` if nothing can be saved.
     """
     return Recovered(**_cohaul.recover(log, out))
+
+
+def compare(
+    a: str | os.PathLike[str],
+    b: str | os.PathLike[str],
+    *,
+    fields: Iterable[str] = (),
+    out: str | os.PathLike[str] | None = None,
+) -> dict[str, Any]:
+    """Compare two logs, or two sets of trials; the keys are those of `cohaul compare --json`.
+
+    Two logs (`.mcap`): distance [m] and difference of yaw [rad] between the ways of each load at equal shares of their
+    length, and the ratio of times. With `out` a picture of both ways, A-vs-B.svg and A-vs-B.png after the names of the
+    files, is written into that folder.
+
+    Two sets of trials (result folders or `.parquet` files), paired by cell and seed: success with the exact p value of
+    McNemar's test, difference and ratio of times [s] where both reached the goal with their 95 % intervals; the same for
+    the other numbers named in `fields`.
+
+    Raises `CompareError` if there is nothing to compare, `MissingFileError`, `FileError`, and `RecordError` for a damaged
+    log.
+    """
+    found: dict[str, Any] = json.loads(_cohaul.compare(a, b, list(fields), out))
+    return found

@@ -3,6 +3,7 @@
 
 mod allocations;
 mod beyond;
+mod compare;
 mod contact;
 mod experiments;
 mod layering;

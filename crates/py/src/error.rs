@@ -5,12 +5,14 @@ use std::io::ErrorKind;
 use cohaul_core::geometry::shape::ShapeError;
 use cohaul_core::record::RecordError;
 use cohaul_core::scenario::{ScenarioError, Warning};
+use cohaul_sim::compare::CompareError;
 use cohaul_sim::error::{SimError, chain};
 use cohaul_sim::files::FileError;
 use pyo3::PyErr;
 
 /// The exceptions that Python code defines.
 mod python {
+    pyo3::import_exception!(cohaul.errors, CompareError);
     pyo3::import_exception!(cohaul.errors, ContactError);
     pyo3::import_exception!(cohaul.errors, ControlError);
     pyo3::import_exception!(cohaul.errors, FileError);
@@ -58,6 +60,14 @@ pub fn file(error: FileError) -> PyErr {
             python::FileError::new_err((source.raw_os_error(), reason(&source), path.into_os_string()))
         }
         error => python::FileError::new_err(chain(&error)),
+    }
+}
+
+/// Results that do not fit together.
+pub fn compare(error: CompareError) -> PyErr {
+    match error {
+        CompareError::File(error) => file(error),
+        error => python::CompareError::new_err(chain(&error)),
     }
 }
 

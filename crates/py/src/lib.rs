@@ -21,7 +21,7 @@ mod _cohaul {
     #[pymodule_export]
     use crate::contact::LimitSurface;
     #[pymodule_export]
-    use crate::log::{recover, replay};
+    use crate::log::{compare, recover, replay};
     #[pymodule_export]
     use crate::mission::{Mission, Scenario, schema};
 }

@@ -1,4 +1,4 @@
-//! Logs: decided anew, rescued.
+//! Logs: decided anew, rescued, compared; trials too.
 
 use std::path::PathBuf;
 
@@ -60,4 +60,12 @@ pub fn recover(py: Python<'_>, path: PathBuf, out: Option<PathBuf>) -> PyResult<
     let (found, log) = py.detach(|| files::recover_log(&path, out.as_deref())).map_err(error::file)?;
     let (messages, missing, skipped_bytes) = (found.messages, found.missing, found.skipped_bytes);
     Ok(Recovered { messages, missing, skipped_bytes, reason: found.lost_reason, log })
+}
+
+/// Compares two logs or two sets of trials; what `cohaul compare --json` prints.
+#[pyfunction]
+#[pyo3(signature = (a, b, fields, out))]
+pub fn compare(py: Python<'_>, a: PathBuf, b: PathBuf, fields: Vec<String>, out: Option<PathBuf>) -> PyResult<String> {
+    let compared = py.detach(|| files::compare(&a, &b, &fields, out.as_deref())).map_err(error::compare)?;
+    Ok(compared.to_json())
 }

@@ -11,7 +11,9 @@ use cohaul_core::time::Time;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::compare::{self, CompareError, Compared, Pairs, Paths, Track};
 use crate::error::SimError;
+use crate::experiment::store;
 use crate::experiment::trials::TrialError;
 use crate::mission::Mission;
 use crate::page;
@@ -143,4 +145,46 @@ pub fn recover_log(path: &Path, output: Option<&Path>) -> Result<(Recovered, Pat
     let recovered = recovered?;
     fs::rename(&unfinished, &output).map_err(io_error("write", &output))?;
     Ok((recovered, output))
+}
+
+/// Reads the ways of the loads from the log at `path`.
+///
+/// # Errors
+/// A file that cannot be read, or a damaged log.
+pub fn read_track(path: &Path) -> Result<Track, FileError> {
+    let file = File::open(path).map_err(io_error("read", path))?;
+    Ok(Track::read(io::BufReader::new(file))?)
+}
+
+/// Whether a file's name is that of a log.
+pub fn is_log(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "mcap")
+}
+
+/// Compares two results: two logs (`.mcap`), or two sets of trials (folders, `.jsonl`, `.parquet`).
+///
+/// For logs, `out` is the folder into which their picture goes, A-vs-B.svg and A-vs-B.png after the names of the files; for
+/// sets of trials, `fields` are compared besides the time.
+///
+/// # Errors
+/// Files that cannot be read, results that do not fit together, and what is only for the other kind.
+pub fn compare(a: &Path, b: &Path, fields: &[String], out: Option<&Path>) -> Result<Compared, CompareError> {
+    let usage = |text: &str| Err(CompareError::Usage(text.to_owned()));
+    match (is_log(a), is_log(b)) {
+        (true, true) if !fields.is_empty() => usage("fields are those of trials; logs have none"),
+        (true, true) => {
+            let (track_a, track_b) = (read_track(a)?, read_track(b)?);
+            let mut paths = Paths::of((a.to_owned(), &track_a), (b.to_owned(), &track_b))?;
+            if let Some(folder) = out {
+                fs::create_dir_all(folder).map_err(io_error("create", folder))?;
+                let stem = |path: &Path| path.file_stem().unwrap_or_default().display().to_string();
+                let path = folder.join(format!("{}-vs-{}", stem(a), stem(b)));
+                compare::draw(&mut paths, &track_a, &track_b, &path)?;
+            }
+            Ok(Compared::Logs(paths))
+        }
+        (false, false) if out.is_some() => usage("a picture is drawn of two logs, not of trials"),
+        (false, false) => Ok(Compared::Trials(Pairs::of(&store::read_trials(a)?, &store::read_trials(b)?, fields)?)),
+        _ => usage("one is a log and the other is not: give two logs, or two sets of trials"),
+    }
 }

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod compare;
 pub mod episode;
 pub mod error;
 pub mod experiment;
@@ -9,6 +10,7 @@ pub mod files;
 pub mod mission;
 pub mod outcome;
 pub mod page;
+pub mod plot;
 pub mod replay;
 mod score;
 pub mod sensor;

@@ -4,6 +4,7 @@
 //! object goes to stdout and nothing else; progress goes to stderr, and only to a terminal.
 
 mod check;
+mod compare;
 mod progress;
 mod recover;
 mod replay;
@@ -54,6 +55,8 @@ enum Verb {
     Replay(replay::Replay),
     /// Make a valid log of an unfinished or damaged one.
     Recover(recover::Recover),
+    /// Compare two sets of trials pair by pair, or the ways that loads took in two logs.
+    Compare(compare::Compare),
 }
 
 #[derive(Args)]
@@ -106,6 +109,7 @@ pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
         }
         Verb::Replay(arguments) => (replay::replay(&arguments), arguments.json),
         Verb::Recover(arguments) => (recover::recover(&arguments), arguments.json),
+        Verb::Compare(arguments) => (compare::compare(&arguments), arguments.json),
     };
     done.unwrap_or_else(|error| report(&error, json))
 }
