@@ -13,7 +13,7 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("cohaul-{}-{name}", std::process::id()));
+        let path = std::env::temp_dir().join(format!("cohaul-experiments-{}-{name}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         Self(path)
     }
@@ -129,7 +129,7 @@ fn threads_and_interruptions_change_no_byte() {
     assert!(!part.complete && part.trials.len() >= 7 && part.trials.len() < 30, "{}", part.trials.len());
     assert!(report::markdown(find("r2p2-tight").unwrap(), &part).contains("Some trials are missing"));
     // as if killed while writing
-    let lines = broken.0.join(store::LINES);
+    let lines = broken.0.join("r2p2-tight-planar").join(store::LINES);
     let mut text = std::fs::read(&lines).unwrap();
     text.truncate(text.len() - 20);
     std::fs::write(&lines, text).unwrap();

@@ -141,14 +141,13 @@ fn one(
         changes: arguments.changes.clone(),
     };
     let cells = runner::cells(experiment, &request)?;
-    let folder = arguments.out.join(format!("{}-{}", experiment.name(), request.world));
-    let results = {
-        let store = Store::open(&folder, &runner::header(experiment, &request, &cells)?)?;
+    let (results, folder) = {
+        let store = Store::open(&arguments.out, &runner::header(experiment, &request, &cells)?)?;
         let bar = Counted::new(experiment.name(), arguments.json);
         let results =
             runner::run(experiment, &request, &cells, &store, &mut |done, asked| bar.show(done, asked), interrupted)?;
         bar.clear();
-        results
+        (results, store.folder().to_owned())
     };
     write(experiment, &results, &folder)?;
     Ok((results, folder))
