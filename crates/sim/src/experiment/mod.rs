@@ -2,6 +2,7 @@
 
 mod columns;
 mod lines;
+mod named;
 pub mod store;
 pub mod summary;
 pub mod table;
