@@ -222,6 +222,24 @@ fn what_is_no_table_is_refused() {
     assert_eq!(text, r#"column "mass_kg" would stand twice in the table of trials"#);
 }
 
+/// Whatever became of the file, reading it ends in trials or in an error.
+#[test]
+fn a_damaged_table_is_an_error() {
+    let path = folder("trials-damaged").join(TABLE);
+    write_parquet(&path, &two_cells()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for end in (0..whole.len()).step_by(97) {
+        fs::write(&path, &whole[..end]).unwrap();
+        assert!(read_parquet(&path).is_err(), "cut at {end}");
+    }
+    for place in (0..whole.len()).step_by(13) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 1 << (place % 8);
+        fs::write(&path, &bytes).unwrap();
+        let _ = read_parquet(&path);
+    }
+}
+
 /// Seven times are in the cell that is not always reached: sorted in the head, and ranks 1 and 7 of 7 (P = 1/128 a side).
 #[test]
 fn a_summary_is_of_the_trials_that_reached_the_goal() {

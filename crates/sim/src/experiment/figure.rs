@@ -74,11 +74,12 @@ pub fn cells(results: &Results, folder: &Path) -> Result<(), FileError> {
     let of = |terrain: &Option<Level>| -> Vec<&CellSummary> {
         results.cells.iter().filter(|cell| terrain.is_none() || cell.key.level("terrain") == terrain.as_ref()).collect()
     };
-    let mut rows = vec![terrains.iter().map(|terrain| times(&of(terrain), terrain.as_ref())).collect::<Vec<_>>()];
+    let mut charts: Vec<Lines> = terrains.iter().map(|terrain| times(&of(terrain), terrain.as_ref())).collect();
     if failed {
-        rows.push(terrains.iter().map(|terrain| shares(&of(terrain), terrain.as_ref())).collect());
+        charts.extend(terrains.iter().map(|terrain| shares(&of(terrain), terrain.as_ref())));
     }
-    save(folder, results.name, &Panels { rows })
+    // below each other, so that the names have room
+    save(folder, results.name, &Panels { rows: charts.into_iter().map(|chart| vec![chart]).collect() })
 }
 
 /// Names of cells, without the terrain if a chart shows only one; numbers if the names are long.
@@ -92,7 +93,7 @@ fn names(cells: &[&CellSummary], terrain: Option<&Level>) -> (Vec<String>, Strin
         let factors = cell.key.iter().filter(|(factor, _)| terrain.is_none() || *factor != "terrain");
         factors.map(|(factor, _)| factor.to_owned()).collect::<Vec<_>>().join(" / ")
     });
-    let room = 72 / names.len().max(1);
+    let room = 84 / names.len().max(1);
     if names.iter().any(|name| name.chars().count() > LONGEST_NAME.min(room.max(1))) {
         let numbers = (1..=names.len()).map(|number| number.to_string()).collect();
         return (numbers, format!("{factors}: row of the table"));

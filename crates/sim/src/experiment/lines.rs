@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::trials::{Key, Named, Trial, TrialError, Value, fingerprint};
+use super::named::Named;
+use super::trials::{Key, Trial, TrialError, Value, fingerprint};
 use crate::mission::{REVISION, VERSION};
 
 /// First line of a store: which trials it holds and what began it.

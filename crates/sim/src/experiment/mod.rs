@@ -15,6 +15,7 @@ pub mod figure;
 mod generalize;
 mod lines;
 mod missions;
+mod named;
 pub mod report;
 mod robustness;
 pub mod rotation;

@@ -41,9 +41,9 @@ pub struct Instant {
     pub heading_error: f64,
     /// Angular speed of the load, rad/s.
     pub yaw_rate: f64,
-    /// Mean speed of the pushing robots, m/s.
+    /// Mean speed of the pushing robots, m/s; NaN in the last instant.
     pub push: f64,
-    /// Mean speed of the preventing robots, m/s.
+    /// Mean speed of the preventing robots, m/s; NaN in the last instant.
     pub prevent: f64,
 }
 
@@ -78,7 +78,12 @@ impl Recorder for RotationTrace {
         }
         let load = world.load_pose(LoadId(0));
         let way = self.goal - position(&load);
+        self.ended = decisions.iter().any(|d| d.primitive == Some(Primitive::Translate));
         let mean = |role: Role| {
+            // in the last instant roles are those of the translation
+            if self.ended {
+                return f64::NAN;
+            }
             let speeds: Vec<f64> = (0..)
                 .zip(decisions)
                 .filter(|(_, d)| d.role == Some(role))
@@ -93,7 +98,6 @@ impl Recorder for RotationTrace {
             push: mean(Role::Push),
             prevent: mean(Role::Prevent),
         });
-        self.ended = decisions.iter().any(|d| d.primitive == Some(Primitive::Translate));
         Ok(())
     }
 }

@@ -91,7 +91,7 @@ impl Lines {
     /// Pixels; 0 without a name.
     fn legend_width(&self) -> i32 {
         let longest = self.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
-        if longest > 0 { 44 + 9 * longest as i32 } else { 0 }
+        if longest > 0 { 44 + 8 * longest as i32 } else { 0 }
     }
 
     fn legend<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
@@ -105,10 +105,12 @@ impl Lines {
         Ok(())
     }
 
-    /// Sideways displacement of a series over names, so that intervals do not cover each other; and half the width of bars.
+    /// Sideways displacement of a series over names, so that intervals do not cover each other where no line joins them; and
+    /// half the width of bars.
     fn shift(&self, series: usize) -> (f64, f64) {
         let count = self.series.len().max(1) as f64;
-        let step = if self.names.is_empty() { 0.0 } else { 0.7 / count };
+        let apart = !self.names.is_empty() && !self.series.iter().any(|series| series.joined);
+        let step = if apart { 0.7 / count } else { 0.0 };
         ((series as f64 - (count - 1.0) / 2.0) * step, 0.42 * step)
     }
 }

@@ -48,7 +48,7 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// Through the points (x[i], y[i]); the seed is that of the bootstraps. `None` for fewer than two different x, or a
+    /// Through the points (x, y), pair by pair; the seed is that of the bootstraps. `None` for fewer than two different x, or a
     /// value that is not finite. What one list has more than the other is left out.
     pub fn fit(x: &[f64], y: &[f64], seed: u64) -> Option<Self> {
         let points: Vec<[f64; 2]> = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
