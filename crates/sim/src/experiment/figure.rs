@@ -21,7 +21,7 @@ impl Panels {
     /// Size at which every chart is readable, pixels.
     fn size(&self) -> (u32, u32) {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
-        let wide = if columns == 1 { 900 } else { 560 * columns };
+        let wide = if columns == 1 { 1100 } else { 560 * columns };
         (wide, if columns == 1 { 260 } else { 400 } * (self.rows.len().max(1) as u32))
     }
 }
@@ -93,7 +93,7 @@ fn names(cells: &[&CellSummary], terrain: Option<&Level>) -> (Vec<String>, Strin
         let factors = cell.key.iter().filter(|(factor, _)| terrain.is_none() || *factor != "terrain");
         factors.map(|(factor, _)| factor.to_owned()).collect::<Vec<_>>().join(" / ")
     });
-    let room = 84 / names.len().max(1);
+    let room = 110 / names.len().max(1);
     if names.iter().any(|name| name.chars().count() > LONGEST_NAME.min(room.max(1))) {
         let numbers = (1..=names.len()).map(|number| number.to_string()).collect();
         return (numbers, format!("{factors}: row of the table"));
