@@ -4,6 +4,7 @@
 pub mod cli;
 pub mod episode;
 pub mod error;
+pub mod experiment;
 pub mod files;
 pub mod mission;
 pub mod outcome;

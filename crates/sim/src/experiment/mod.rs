@@ -1,0 +1,3 @@
+//! Questions that are answered by running many missions.
+
+pub mod bisect;
