@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use cohaul_core::record::{self, Recovered};
 use cohaul_core::scenario::{self, Override, Parsed, ScenarioError};
 use cohaul_core::time::Time;
+use cohaul_planner::capacity::{self, Capacity, CapacityError};
+use cohaul_planner::formation::{self, FormationPlanError, ReformError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -36,6 +38,15 @@ pub enum FileError {
     /// The scenario in it is not valid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The slots that it leaves open cannot be chosen.
+    #[error(transparent)]
+    Formation(#[from] FormationPlanError),
+    /// What the team can do cannot be said.
+    #[error(transparent)]
+    Capacity(#[from] CapacityError),
+    /// The team cannot form anew.
+    #[error(transparent)]
+    Reform(#[from] ReformError),
     /// The mission or the log in it failed.
     #[error(transparent)]
     Sim(#[from] SimError),
@@ -66,13 +77,49 @@ pub fn read_scenario(path: &Path, overrides: &[Override]) -> Result<Parsed, File
     Ok(scenario::parse(&path.display().to_string(), &text, overrides)?)
 }
 
-/// The scenario of one seed, everything in `randomize` drawn from it.
+/// The scenario of one seed, everything in `randomize` drawn from it, slots left open (`slots: auto`) chosen.
 ///
 /// # Errors
-/// Values drawn together that make no valid scenario.
-pub fn draw(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, ScenarioError> {
+/// Values drawn together that make no valid scenario, or slots that cannot be chosen.
+pub fn draw(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, FileError> {
+    Ok(formation::resolve(&draw_open(parsed, seed)?)?)
+}
+
+/// The same with slots left open.
+pub(crate) fn draw_open(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, ScenarioError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed.unwrap_or(parsed.scenario.seed));
     parsed.resolve(seed, &mut || random.random::<f64>())
+}
+
+/// What every team of the scenario can move once the robots `without` (counted from 1 over all teams) are gone and the others
+/// of their teams have formed anew.
+///
+/// # Errors
+/// A scenario that cannot be drawn or built, or robots that it does not have. Too few robots left, or none that find places,
+/// are errors too.
+pub fn capacity(parsed: &Parsed, without: &[usize]) -> Result<Vec<Capacity>, FileError> {
+    let mut scenario = draw(parsed, None)?;
+    let robots: usize = scenario.teams.iter().map(|team| team.robots.count).sum();
+    if let Some(robot) = without.iter().find(|robot| !(1..=robots).contains(*robot)) {
+        let team = scenario.teams.iter().map(|team| team.id.as_str()).collect::<Vec<_>>().join("`, `");
+        return Err(ReformError::NoSuchRobot { team, robot: *robot, robots }.into());
+    }
+    let mut first = 1;
+    for team in 0..scenario.teams.len() {
+        let count = scenario.teams[team].robots.count;
+        let lost: Vec<usize> =
+            without.iter().filter(|robot| (first..first + count).contains(*robot)).map(|robot| robot - first).collect();
+        first += count;
+        if lost.is_empty() {
+            continue;
+        }
+        match formation::reform(&scenario, team, &lost) {
+            Ok(reformed) => scenario = reformed,
+            Err(ReformError::Incapable(verdict)) => return Ok(vec![*verdict]),
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(capacity::assess(&scenario)?)
 }
 
 /// Where a mission left its files.

@@ -419,6 +419,8 @@ pub enum Slots {
     Six,
     /// Two on each long side (R2P2, §VII).
     Four,
+    /// The best places for 3 to 12 robots around any load, chosen before the mission starts (see `cohaul check`).
+    Auto,
     /// Any places on the load's edges, one per robot.
     Custom(#[garde(length(min = 1, max = 64), dive)] Vec<CustomSlot>),
 }

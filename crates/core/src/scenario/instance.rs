@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::document::{Ballast, BallastPlace, Load, Pose, RobotKind, Robots, Scenario, Shape, Team};
+use super::document::{Ballast, BallastPlace, Load, Pose, RobotKind, Robots, Scenario, Shape, Slots, Team};
 use super::error::Problem;
 use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::id::{LoadId, RobotId};
@@ -55,8 +55,14 @@ impl Scenario {
     /// Every body of the scenario.
     ///
     /// # Errors
-    /// None for a scenario that came from [`parse`](super::parse).
+    /// None for a scenario that came from [`parse`](super::parse), unless it leaves the choice of slots to the planner
+    /// ([`Slots::Auto`]).
     pub fn instance(&self) -> Result<Instance, Problem> {
+        self.bodies(false)
+    }
+
+    /// Every body of the scenario; teams whose slots are still to be chosen have no robots yet if `unresolved` allows it.
+    pub(crate) fn bodies(&self, unresolved: bool) -> Result<Instance, Problem> {
         let shape = |path: String| move |error| Problem::Shape { path, error };
         let mut loads = Vec::new();
         for (i, load) in self.loads.iter().enumerate() {
@@ -77,9 +83,12 @@ impl Scenario {
             };
             let load = self.loads.iter().position(|load| load.id == team.load).ok_or_else(unknown)?;
             let model = team.robots.model();
-            let formation = team
-                .formation(&loads[load].polygon)
-                .map_err(|error| Problem::Formation { team: team.id.clone(), error })?;
+            let formation = if unresolved && team.formation.slots == Slots::Auto {
+                Formation::unresolved(team.formation.gap, model.radius)
+            } else {
+                team.formation(&loads[load].polygon)
+                    .map_err(|error| Problem::Formation { team: team.id.clone(), error })?
+            };
             let robots = formation.slots().len();
             teams.push(TeamInstance { load: LoadId(load as u16), model, formation, first_robot: RobotId(first_robot) });
             first_robot = first_robot.saturating_add(robots as u16);

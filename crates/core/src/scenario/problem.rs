@@ -326,8 +326,11 @@ impl Problem {
 fn formation_remedy(error: &FormationError) -> String {
     match error {
         FormationError::Count { slots, .. } => format!("set `robots.count` to {slots} or change the slots"),
+        FormationError::Unresolved => {
+            "resolve the scenario with the planner first, or list `custom` slots, one per robot".to_owned()
+        }
         FormationError::NotRectangle { .. } => {
-            "use `shape: {rectangle: …}`, or list `custom` slots, one per robot".to_owned()
+            "use `shape: {rectangle: …}`, slots `auto`, or list `custom` slots, one per robot".to_owned()
         }
         FormationError::Placement { limit, .. } if *limit < 0.0 => "use a longer load or `custom` slots".to_owned(),
         FormationError::Placement { limit, .. } => format!("set `contact_placement` between 0 and {limit:.3}"),

@@ -11,13 +11,16 @@ use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::se2::{Pose2, position};
 use crate::transport::formation::FormationError;
 
+/// How many robots the planner finds slots for.
+const AUTO: std::ops::RangeInclusive<usize> = 3..=12;
+
 /// Checks the rules in the order of the file; gives the warnings.
 pub(crate) fn validate(scenario: &Scenario, tree: &Node) -> Result<Vec<Fault>, Fault> {
     let rules = Rules { scenario, tree };
     rules.names()?;
     rules.regions()?;
     rules.values()?;
-    let instance = scenario.instance().map_err(|problem| rules.locate(problem))?;
+    let instance = scenario.bodies(true).map_err(|problem| rules.locate(problem))?;
     let mut warnings = Vec::new();
     rules.formations(&instance, &mut warnings)?;
     rules.points(&instance)?;
@@ -121,6 +124,14 @@ impl Rules<'_> {
     fn values(&self) -> Result<(), Fault> {
         for (i, team) in self.scenario.teams.iter().enumerate() {
             let count = team.robots.count;
+            if team.formation.slots == Slots::Auto && !AUTO.contains(&count) {
+                let reason = format!("slots `auto` are for {} to {} robots, not {count}", AUTO.start(), AUTO.end());
+                return self.contradiction(
+                    format!("teams.{i}.robots.count"),
+                    reason,
+                    "change the number of robots, or list `custom` slots, one per robot",
+                );
+            }
             if let Some(rates) = &team.robots.rates_hz
                 && rates.len() != count
             {
@@ -179,6 +190,9 @@ impl Rules<'_> {
                 let problem = Problem::ShortEdge { load: team.load.clone(), length, needed };
                 warnings
                     .push(self.fault(&self.scenario.loads[built.load.index()].shape_path(built.load.index()), problem));
+            }
+            if team.formation.slots == Slots::Auto {
+                continue; // checked when the slots are chosen
             }
             if let Some(gap) = built.formation.caging_gaps(load).into_iter().next() {
                 let fault =

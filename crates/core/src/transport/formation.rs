@@ -57,6 +57,9 @@ pub enum FormationError {
         /// Slots of the formation.
         slots: usize,
     },
+    /// The slots are still to be chosen.
+    #[error("slots `auto` have not been chosen yet")]
+    Unresolved,
     /// A named formation on a load that is not a rectangle along its frame.
     #[error("slots `{slots}` need a rectangular load; give `custom` slots for this one")]
     NotRectangle {
@@ -175,6 +178,7 @@ impl Formation {
                 let [fl, fr, bl, br] = corners(load, "four", placement, radius)?;
                 vec![fl, fr, br, bl]
             }
+            Slots::Auto => return Err(FormationError::Unresolved),
             Slots::Custom(places) => custom(load, places)?,
         };
         if slots.len() != robots {
@@ -190,6 +194,16 @@ impl Formation {
             }
         }
         Ok(formation)
+    }
+
+    /// The formation of these slots, which are not checked.
+    pub const fn around(slots: Vec<Slot>, gap: f64, radius: f64) -> Self {
+        Self { slots, radius, gap }
+    }
+
+    /// Without slots: stands for a formation whose slots are still to be chosen.
+    pub(crate) const fn unresolved(gap: f64, radius: f64) -> Self {
+        Self { slots: Vec::new(), radius, gap }
     }
 
     /// The slots, in team order.

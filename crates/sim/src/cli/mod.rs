@@ -3,6 +3,7 @@
 //! Exit status: 0 done and succeeded, 1 ran and failed, 2 usage, 3 bad input file, 130 interrupted. With `--json` one
 //! object goes to stdout and nothing else; progress goes to stderr, and only to a terminal.
 
+mod capacity;
 mod check;
 mod compare;
 mod progress;
@@ -17,6 +18,8 @@ use std::path::Path;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use cohaul_core::record::RecordError;
 use cohaul_core::scenario::{self, Override, Parsed, ScenarioError, Warning};
+use cohaul_planner::capacity::CapacityError;
+use cohaul_planner::formation::ReformError;
 use serde_json::{Map, Value, json};
 
 use crate::error::{SimError, chain};
@@ -49,6 +52,8 @@ enum Verb {
     Reproduce(reproduce::Reproduce),
     /// Check a scenario file without running it.
     Check(check::Check),
+    /// Tell before driving what a team can move: whether it can, with which margin, and where it ends.
+    Capacity(capacity::Capacity),
     /// Print the JSON Schema of scenario files.
     Schema,
     /// Decide a log anew from its observations and compare every decision bit for bit.
@@ -103,6 +108,7 @@ pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
         Verb::Run(arguments) => (run::run(&arguments, interrupted), arguments.common.json),
         Verb::Reproduce(arguments) => (reproduce::reproduce(&arguments, interrupted), arguments.json),
         Verb::Check(arguments) => (check::check(&arguments), arguments.common.json),
+        Verb::Capacity(arguments) => (capacity::capacity(&arguments), arguments.common.json),
         Verb::Schema => {
             say(&scenario::schema());
             (Ok(DONE), false)
@@ -173,6 +179,15 @@ fn rendered(diagnostic: &dyn miette::Diagnostic) -> String {
     }
 }
 
+/// What to do about an error that no place in the file explains.
+fn remedy(error: &FileError) -> Option<String> {
+    match error {
+        FileError::Formation(error) | FileError::Capacity(CapacityError::Formation(error)) => Some(error.remedy()),
+        FileError::Reform(ReformError::Formation(error)) => Some(error.remedy()),
+        _ => None,
+    }
+}
+
 /// Reports an error and gives its exit status.
 fn report(error: &FileError, json: bool) -> i32 {
     let scenario = match error {
@@ -181,7 +196,11 @@ fn report(error: &FileError, json: bool) -> i32 {
     };
     if json {
         let object = scenario.map_or_else(
-            || json!({"message": chain(error), "file": null, "line": null, "column": null, "remedy": null}),
+            || {
+                json!({
+                    "message": chain(error), "file": null, "line": null, "column": null, "remedy": remedy(error),
+                })
+            },
             |e| {
                 json!({
                     "message": e.message(), "file": e.file(), "line": e.line(), "column": e.column(),
@@ -195,9 +214,15 @@ fn report(error: &FileError, json: bool) -> i32 {
         complain(&rendered(error));
     } else {
         complain(&format!("error: {}", chain(error)));
+        if let Some(remedy) = remedy(error) {
+            complain(&format!("  help: {remedy}"));
+        }
     }
     match error {
-        FileError::Scenario(_) | FileError::Trials(_) | FileError::Io { action: "read", .. } => BAD_INPUT,
+        FileError::Trials(_) => BAD_INPUT,
+        FileError::Scenario(_) | FileError::Formation(_) | FileError::Capacity(_) => BAD_INPUT,
+        FileError::Reform(ReformError::NoSuchRobot { .. } | ReformError::NoSuchTeam { .. }) => BAD_INPUT,
+        FileError::Io { action: "read", .. } => BAD_INPUT,
         FileError::Sim(SimError::Record(RecordError::NotALog)) => BAD_INPUT,
         _ => FAILED,
     }

@@ -1,0 +1,232 @@
+//! Which places: candidates along the edges, a greedy start, exchanges until none is better.
+//!
+//! # Source
+//! The exchange method of optimal design; what makes a formation good is [`grip`](super::grip) and the caging condition of
+//! [R2P2] §IV, eq. 1e.
+//!
+//! # Deviations
+//! A local optimum of the places tried. They are few (a quarter of a robot apart along the edges), every robot is tried in each
+//! of them, and the search starts from several formations, always in the same order.
+//!
+//! [R2P2]: cohaul_core::_documentation::references
+
+use cohaul_core::geometry::shape::ConvexPolygon;
+use cohaul_core::transport::formation::{Formation, Slot};
+
+use super::grip::{Demand, Grip};
+
+/// Clear distance that robots keep in their slots, m.
+pub(crate) const CLEAR: f64 = 0.02;
+/// Share of the margin that one way out of the formation costs where caging is not required.
+const OPEN: f64 = 0.3;
+/// Relative differences of the margin below this are none.
+const EQUAL: f64 = 0.005;
+/// Rounds of exchanges.
+const ROUNDS: usize = 8;
+
+/// A place on an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub edge: usize,
+    /// Along the edge, 0 to 1.
+    pub at: f64,
+}
+
+/// The load with the rules that places obey.
+#[derive(Clone, Debug)]
+pub(crate) struct Board<'a> {
+    pub load: &'a ConvexPolygon,
+    /// Distance of a contact from the corners, m; the middle where the edge is too short for that.
+    pub placement: f64,
+    pub gap: f64,
+    pub radius: f64,
+    /// Whether an open cage is worse than any margin.
+    pub caged: bool,
+}
+
+/// A formation under consideration.
+#[derive(Clone, Debug)]
+pub(crate) struct Found {
+    pub places: Vec<Place>,
+    pub margin: f64,
+    pub limited_by: Demand,
+    gaps: usize,
+    spread: f64,
+}
+
+impl Board<'_> {
+    pub fn slot(&self, place: Place) -> Slot {
+        let edge = self.load.edge(place.edge);
+        Slot { edge: place.edge, contact: edge.start + place.at * (edge.end - edge.start), facing: edge.inward() }
+    }
+
+    /// Places along every edge, half a robot's pitch or less apart.
+    pub fn candidates(&self) -> Vec<Place> {
+        let pitch = 2.0 * self.radius + CLEAR;
+        let mut places = Vec::new();
+        for edge in 0..self.load.vertices().len() {
+            let length = self.load.edge(edge).length();
+            let inset = self.placement.min(length / 2.0);
+            let span = length - 2.0 * inset;
+            let abreast = (span / pitch + 1e-9).floor();
+            let steps = if span < 0.25 * pitch { 0 } else { 2 * (abreast as usize).max(1) };
+            for i in 0..=steps {
+                let along = if steps == 0 { length / 2.0 } else { inset + span * i as f64 / steps as f64 };
+                places.push(Place { edge, at: along / length });
+            }
+        }
+        places
+    }
+
+    /// Distance between the bodies of robots in two places, m.
+    pub fn clear(&self, a: Place, b: Place) -> f64 {
+        let center = |place| self.slot(place).center(self.radius, self.gap);
+        (center(a) - center(b)).norm() - 2.0 * self.radius
+    }
+
+    fn fits(&self, places: &[Place], except: usize, new: Place) -> bool {
+        places.iter().enumerate().all(|(i, p)| i == except || self.clear(*p, new) >= CLEAR - 1e-9)
+    }
+
+    /// How many robots fit at once: as many as go round one after the other, from the best of all starts.
+    pub fn room(&self) -> usize {
+        let candidates = self.candidates();
+        let from = |start: usize| {
+            let mut taken: Vec<Place> = Vec::new();
+            for i in 0..candidates.len() {
+                let place = candidates[(start + i) % candidates.len()];
+                if self.fits(&taken, usize::MAX, place) {
+                    taken.push(place);
+                }
+            }
+            taken
+        };
+        (0..candidates.len()).map(|start| from(start).len()).max().unwrap_or_default()
+    }
+
+    /// `robots` places that fit, spread over the places of the fullest tour.
+    fn tour(&self, robots: usize) -> Option<Vec<Place>> {
+        let candidates = self.candidates();
+        (0..candidates.len()).find_map(|start| {
+            let mut taken: Vec<Place> = Vec::new();
+            for i in 0..candidates.len() {
+                let place = candidates[(start + i) % candidates.len()];
+                if self.fits(&taken, usize::MAX, place) {
+                    taken.push(place);
+                }
+            }
+            (taken.len() >= robots).then(|| (0..robots).map(|i| taken[i * taken.len() / robots]).collect())
+        })
+    }
+
+    fn rate(&self, grip: &Grip, places: Vec<Place>) -> Found {
+        let slots: Vec<Slot> = places.iter().map(|p| self.slot(*p)).collect();
+        let (margin, limited_by) = grip.margin(&slots);
+        let gaps = Formation::around(slots, self.gap, self.radius).caging_gaps(self.load).len();
+        let mut spread = f64::INFINITY;
+        for (i, a) in places.iter().enumerate() {
+            for b in &places[..i] {
+                spread = spread.min(self.clear(*a, *b));
+            }
+        }
+        Found { places, margin, limited_by, gaps, spread }
+    }
+
+    fn better(&self, a: &Found, b: &Found) -> bool {
+        if self.caged && a.gaps != b.gaps {
+            return a.gaps < b.gaps;
+        }
+        let worth = |f: &Found| f.margin * (1.0 - OPEN).powi(f.gaps as i32);
+        let (x, y) = (worth(a), worth(b));
+        if (x - y).abs() > EQUAL * x.max(y) {
+            return x > y;
+        }
+        (a.gaps, -a.spread) < (b.gaps, -b.spread - 1e-6)
+    }
+
+    /// The best formation found, `None` if the robots do not fit.
+    pub fn search(&self, grip: &Grip, robots: usize) -> Option<Found> {
+        let candidates = self.candidates();
+        let mut best: Option<Found> = None;
+        for start in [self.greedy(grip, robots, true), self.greedy(grip, robots, false), self.tour(robots)] {
+            let Some(places) = start else { continue };
+            let found = self.exchange(grip, self.rate(grip, places), &candidates);
+            if best.as_ref().is_none_or(|best| self.better(&found, best)) {
+                best = Some(found);
+            }
+        }
+        let mut best = best?;
+        // then finer, around each robot
+        for shrink in [0.25, 0.125] {
+            for robot in 0..robots {
+                let here = best.places[robot];
+                let length = self.load.edge(here.edge).length();
+                let inset = self.placement.min(length / 2.0) / length;
+                let step = shrink * 2.0 * self.radius / length;
+                for at in [here.at - step, here.at + step] {
+                    let place = Place { at, ..here };
+                    if (inset..=1.0 - inset).contains(&at) && self.fits(&best.places, robot, place) {
+                        let mut places = best.places.clone();
+                        places[robot] = place;
+                        let found = self.rate(grip, places);
+                        if self.better(&found, &best) {
+                            best = found;
+                        }
+                    }
+                }
+            }
+        }
+        best.places.sort_by(|a, b| a.edge.cmp(&b.edge).then(a.at.total_cmp(&b.at)));
+        Some(best)
+    }
+
+    /// One robot after the other where it does most good; `around` puts one in the middle of every edge first.
+    fn greedy(&self, grip: &Grip, robots: usize, around: bool) -> Option<Vec<Place>> {
+        let candidates = self.candidates();
+        let mut places: Vec<Place> = Vec::new();
+        let edges = self.load.vertices().len();
+        if around && robots >= edges {
+            for edge in 0..edges {
+                let place = Place { edge, at: 0.5 };
+                if self.fits(&places, usize::MAX, place) {
+                    places.push(place);
+                }
+            }
+        }
+        while places.len() < robots {
+            let mut best: Option<Found> = None;
+            for place in candidates.iter().filter(|p| self.fits(&places, usize::MAX, **p)) {
+                let found = self.rate(grip, [&places[..], &[*place]].concat());
+                if best.as_ref().is_none_or(|best| self.better(&found, best)) {
+                    best = Some(found);
+                }
+            }
+            places = best?.places;
+        }
+        Some(places)
+    }
+
+    fn exchange(&self, grip: &Grip, mut best: Found, candidates: &[Place]) -> Found {
+        for _ in 0..ROUNDS {
+            let mut improved = false;
+            for robot in 0..best.places.len() {
+                for place in candidates {
+                    if !self.fits(&best.places, robot, *place) {
+                        continue;
+                    }
+                    let mut places = best.places.clone();
+                    places[robot] = *place;
+                    let found = self.rate(grip, places);
+                    if self.better(&found, &best) {
+                        best = found;
+                        improved = true;
+                    }
+                }
+            }
+            if !improved {
+                break;
+            }
+        }
+        best
+    }
+}
