@@ -1,6 +1,6 @@
 //! `cohaul reproduce`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -8,12 +8,11 @@ use serde_json::{Value, json};
 
 use super::progress::Counted;
 use super::{DONE, INTERRUPTED, World, say};
+use crate::experiment::folder::{self, Done};
 use crate::experiment::report::{self, Evidence};
-use crate::experiment::runner::{self, Request};
-use crate::experiment::store::{self, Store};
-use crate::experiment::{self, ALL, Experiment, Results};
+use crate::experiment::runner::Request;
+use crate::experiment::{self, ALL, Experiment, Section, agreement, store};
 use crate::files::FileError;
-use crate::stopwatch::Stopwatch;
 
 /// The name that stands for every experiment.
 const EVERYTHING: &str = "all";
@@ -65,14 +64,16 @@ pub(super) fn reproduce(arguments: &Reproduce, interrupted: &dyn Fn() -> bool) -
     let mut objects = Vec::new();
     let mut evidence = Vec::new();
     for experiment in chosen {
-        let watch = Stopwatch::start();
-        let (results, folder) = one(experiment, arguments, interrupted)?;
-        let (cpu_s, wall_s) = watch.seconds();
-        let object = report::json(experiment, &results, wall_s, cpu_s);
-        if name != EVERYTHING && !arguments.json {
-            say(&report::markdown(experiment, &results));
-        }
+        let bar = Counted::new(experiment.name(), arguments.json);
+        let mut progress = |done, asked| bar.show(done, asked);
+        let done =
+            folder::run_into(experiment, &request(experiment, arguments), &arguments.out, &mut progress, interrupted)?;
+        bar.clear();
+        let Done { results, folder, cpu_s, wall_s } = done;
         if !arguments.json {
+            if name != EVERYTHING {
+                say(&report::markdown(experiment, &results));
+            }
             say(&format!(
                 "{}: {} trials in {wall_s:.1} s ({cpu_s:.1} CPU s), written to {}",
                 results.name,
@@ -80,21 +81,21 @@ pub(super) fn reproduce(arguments: &Reproduce, interrupted: &dyn Fn() -> bool) -
                 folder.display()
             ));
         }
-        objects.push(object);
+        objects.push(report::json(experiment, &results, wall_s, cpu_s));
         let complete = results.complete;
         evidence.push(Evidence { experiment, results });
         if !complete {
-            if !arguments.json {
-                say("interrupted; the same command goes on from here");
-            } else {
+            if arguments.json {
                 say(&wrapped(name, objects).to_string());
+            } else {
+                say("interrupted; the same command goes on from here");
             }
             return Ok(INTERRUPTED);
         }
     }
     if name == EVERYTHING {
         let path = arguments.out.join(format!("report-{}.md", arguments.world.name()));
-        store::write_text(&path, &report::whole(&evidence))?;
+        store::write_text(&path, &report::whole(&evidence, &agreement(&evidence, arguments)))?;
         if !arguments.json {
             say(&format!("the whole report: {}", path.display()));
         }
@@ -103,6 +104,27 @@ pub(super) fn reproduce(arguments: &Reproduce, interrupted: &dyn Fn() -> bool) -
         say(&wrapped(name, objects).to_string());
     }
     Ok(DONE)
+}
+
+fn request(experiment: &dyn Experiment, arguments: &Reproduce) -> Request {
+    Request {
+        world: arguments.world.name().to_owned(),
+        trials: arguments.trials.map_or_else(|| experiment.trials(), |trials| trials as usize),
+        seed: arguments.seed,
+        jobs: arguments.jobs,
+        changes: arguments.changes.clone(),
+    }
+}
+
+/// The comparison of the two worlds, if the other one has run into the same folder.
+fn agreement(evidence: &[Evidence], arguments: &Reproduce) -> Vec<Section> {
+    let compared = "r2p2-generalize";
+    let Some(here) = evidence.iter().find(|e| e.results.name == compared) else { return Vec::new() };
+    let other = if arguments.world.name() == "planar" { "spatial" } else { "planar" };
+    let trials = store::read_trials(&arguments.out.join(format!("{compared}-{other}"))).unwrap_or_default();
+    let (planar, spatial) =
+        if other == "spatial" { (&here.results.trials, &trials) } else { (&trials, &here.results.trials) };
+    agreement::section(planar, spatial, here.results.seed).into_iter().collect()
 }
 
 /// One experiment's object, or all of them in one.
@@ -125,36 +147,4 @@ fn list(json: bool) -> i32 {
     }
     say(&format!("{EVERYTHING}\n    Every one of them, and a report that holds them all."));
     DONE
-}
-
-/// Runs one experiment and writes everything about it into its folder.
-fn one(
-    experiment: &dyn Experiment,
-    arguments: &Reproduce,
-    interrupted: &dyn Fn() -> bool,
-) -> Result<(Results, PathBuf), FileError> {
-    let request = Request {
-        world: arguments.world.name().to_owned(),
-        trials: arguments.trials.map_or_else(|| experiment.trials(), |trials| trials as usize),
-        seed: arguments.seed,
-        jobs: arguments.jobs,
-        changes: arguments.changes.clone(),
-    };
-    let cells = runner::cells(experiment, &request)?;
-    let (results, folder) = {
-        let store = Store::open(&arguments.out, &runner::header(experiment, &request, &cells)?)?;
-        let bar = Counted::new(experiment.name(), arguments.json);
-        let results =
-            runner::run(experiment, &request, &cells, &store, &mut |done, asked| bar.show(done, asked), interrupted)?;
-        bar.clear();
-        (results, store.folder().to_owned())
-    };
-    write(experiment, &results, &folder)?;
-    Ok((results, folder))
-}
-
-fn write(experiment: &dyn Experiment, results: &Results, folder: &Path) -> Result<(), FileError> {
-    store::write_parquet(&folder.join(store::TABLE), &results.trials)?;
-    store::write_text(&folder.join("report.md"), &report::markdown(experiment, results))?;
-    experiment.figures(results, folder)
 }

@@ -5,6 +5,7 @@
 //! nor the number of threads changes a result.
 
 mod ablation;
+pub mod agreement;
 mod baseline;
 pub mod bisect;
 mod breakaway;
@@ -12,6 +13,7 @@ mod capacity;
 mod columns;
 pub mod design;
 pub mod figure;
+pub mod folder;
 mod generalize;
 mod lines;
 mod missions;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::summary::CellSummary;
 use super::table::markdown_table;
 use super::verdict::{self, Verdict};
-use super::{Experiment, Results};
+use super::{Experiment, Results, Section};
 use crate::mission::{REVISION, VERSION};
 use crate::statistics::wilson;
 
@@ -29,8 +29,8 @@ pub struct Evidence {
     pub results: Results,
 }
 
-/// The report of several experiments: a summary, the verdicts, then each report.
-pub fn whole(evidence: &[Evidence]) -> String {
+/// The report of several experiments: a summary, the verdicts, `sections` of other origin, then each report.
+pub fn whole(evidence: &[Evidence], sections: &[Section]) -> String {
     let world = evidence.first().map_or("", |e| e.results.world.as_str());
     let mut text = format!(
         "# R2P2, re-run in the {world} world\n\nEvery number below was written by the commands that it names.\n"
@@ -60,6 +60,9 @@ pub fn whole(evidence: &[Evidence]) -> String {
     let verdicts: Vec<Verdict> = evidence.iter().flat_map(|e| e.experiment.verdicts(&e.results)).collect();
     let verdicts = verdict::section(&verdicts);
     let _ = write!(text, "\n## {}\n\n{}", verdicts.title, verdicts.text);
+    for section in sections {
+        let _ = write!(text, "\n## {}\n\n{}\n", section.title, section.text.trim_end());
+    }
     for Evidence { experiment, results } in evidence {
         let _ = write!(text, "\n{}", markdown(*experiment, results).replace("\n#", "\n##").replacen('#', "##", 1));
     }
