@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from cohaul._cohaul import REVISION as __revision__
 from cohaul._cohaul import VERSION as __version__
-from cohaul._cohaul import LimitSurface
+from cohaul._cohaul import LimitSurface, flow
 from cohaul.errors import (
     CohaulError,
     ContactError,
@@ -52,6 +52,7 @@ __all__ = [
     "__revision__",
     "__version__",
     "check",
+    "flow",
     "recover",
     "replay",
     "run",

@@ -3,6 +3,7 @@
 
 mod allocations;
 mod contact;
+mod flow;
 mod layering;
 mod missions;
 mod scenarios;

@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::SimError;
 use crate::mission::Mission;
 use crate::page;
+use crate::recording::Recording;
 use crate::replay::{self, Replayed};
 
 /// A file that could not be used.
@@ -109,6 +110,15 @@ fn write(path: &Path, text: &str) -> Result<(), FileError> {
 pub fn replay_log(path: &Path) -> Result<Replayed, FileError> {
     let file = File::open(path).map_err(io_error("read", path))?;
     Ok(replay::replay(io::BufReader::new(file))?)
+}
+
+/// Reads the log at `path` as the mission that it recorded.
+///
+/// # Errors
+/// A file that cannot be read, or a damaged log.
+pub fn read_log(path: &Path) -> Result<Recording, FileError> {
+    let file = File::open(path).map_err(io_error("read", path))?;
+    Ok(Recording::read(io::BufReader::new(file))?)
 }
 
 /// Makes a valid log of what is left of the one at `path`; the other file is `output`, or NAME.recovered.mcap beside it.

@@ -8,6 +8,7 @@ pub mod files;
 pub mod mission;
 pub mod outcome;
 pub mod page;
+pub mod recording;
 pub mod replay;
 mod score;
 pub mod sensor;

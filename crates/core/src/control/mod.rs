@@ -4,6 +4,7 @@
 //! controllers behind the same [`guard`].
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+pub mod flow;
 pub mod guard;
 pub mod r2p2;
 pub mod twist;
