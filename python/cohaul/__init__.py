@@ -13,6 +13,7 @@ counter-clockwise; poses are (x, y, yaw). Everything raised on purpose is a `Coh
 
 from __future__ import annotations
 
+from cohaul import plot
 from cohaul._cohaul import REVISION as __revision__
 from cohaul._cohaul import VERSION as __version__
 from cohaul._cohaul import LimitSurface, flow
@@ -22,6 +23,7 @@ from cohaul.errors import (
     ControlError,
     FileError,
     MissingFileError,
+    MissingPackageError,
     RecordError,
     ScenarioError,
     ScenarioWarning,
@@ -38,6 +40,7 @@ __all__ = [
     "FileError",
     "LimitSurface",
     "MissingFileError",
+    "MissingPackageError",
     "Outcome",
     "Phase",
     "Primitive",
@@ -53,6 +56,7 @@ __all__ = [
     "__version__",
     "check",
     "flow",
+    "plot",
     "recover",
     "replay",
     "run",

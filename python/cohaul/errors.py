@@ -8,6 +8,7 @@ __all__ = [
     "ControlError",
     "FileError",
     "MissingFileError",
+    "MissingPackageError",
     "RecordError",
     "ScenarioError",
     "ScenarioWarning",
@@ -86,3 +87,7 @@ class FileError(CohaulError, OSError):
 
 class MissingFileError(FileError, FileNotFoundError):
     """A file does not exist."""
+
+
+class MissingPackageError(CohaulError, ImportError):
+    """A package that this function needs is not installed."""

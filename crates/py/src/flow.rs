@@ -1,7 +1,7 @@
 //! The flow of control as data.
 
 use cohaul_core::control::Phase;
-use cohaul_core::control::flow::{self, Next, Step, TICK, TRANSITIONS};
+use cohaul_core::control::flow::{Next, Step, TICK, TRANSITIONS, name};
 use pyo3::prelude::*;
 
 /// A step of a tick, or a phase.
@@ -31,7 +31,7 @@ fn of_step(step: &Step) -> Node {
     let next = step.next.iter().map(|way| {
         let to = match way.to {
             Next::Step(name) => name,
-            Next::Phase(phase) => flow::name(phase),
+            Next::Phase(phase) => name(phase),
             Next::Repositioning => "repositioning",
         };
         Way { to, why: way.answer }
@@ -40,8 +40,7 @@ fn of_step(step: &Step) -> Node {
 }
 
 fn of_phase(phase: Phase) -> Node {
-    let name = flow::name(phase);
-    let next = TRANSITIONS.iter().filter(|t| t.from == phase).map(|t| Way { to: flow::name(t.to), why: t.why });
+    let next = TRANSITIONS.iter().filter(|t| t.from == phase).map(|t| Way { to: name(t.to), why: t.why });
     let repositioning = phase.is_repositioning();
-    Node { kind: "phase", name, text: name.replace('_', " "), repositioning, next: next.collect() }
+    Node { kind: "phase", name: name(phase), text: name(phase).replace('_', " "), repositioning, next: next.collect() }
 }
