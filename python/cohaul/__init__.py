@@ -3,9 +3,9 @@
 >>> import cohaul
 >>> outcome = cohaul.run("scenarios/r2p2/flat.yaml", seed=7)  # doctest: +SKIP
 >>> outcome.success, outcome.time_s  # doctest: +SKIP
-(True, 331.05)
+(True, 45.2)
 >>> outcome.traces.load_pose.shape  # doctest: +SKIP
-(6622, 1, 3)
+(905, 1, 3)
 
 In a notebook the outcome shows itself as a page that plays the mission. All numbers are SI units and radians; yaw is
 counter-clockwise; poses are (x, y, yaw). Everything raised on purpose is a `CohaulError`.
@@ -13,9 +13,11 @@ counter-clockwise; poses are (x, y, yaw). Everything raised on purpose is a `Coh
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from cohaul._cohaul import REVISION as __revision__
 from cohaul._cohaul import VERSION as __version__
-from cohaul._cohaul import LimitSurface
+from cohaul._cohaul import LimitSurface, flow
 from cohaul.errors import (
     CohaulError,
     CompareError,
@@ -23,6 +25,7 @@ from cohaul.errors import (
     ControlError,
     FileError,
     MissingFileError,
+    MissingPackageError,
     RecordError,
     ScenarioError,
     ScenarioWarning,
@@ -30,6 +33,9 @@ from cohaul.errors import (
 )
 from cohaul.log import Difference, Recovered, Replayed, compare, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
+
+if TYPE_CHECKING:
+    from cohaul import plot
 
 __all__ = [
     "CohaulError",
@@ -40,6 +46,7 @@ __all__ = [
     "FileError",
     "LimitSurface",
     "MissingFileError",
+    "MissingPackageError",
     "Outcome",
     "Phase",
     "Primitive",
@@ -55,8 +62,19 @@ __all__ = [
     "__version__",
     "check",
     "compare",
+    "flow",
+    "plot",
     "recover",
     "replay",
     "run",
     "schema",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`cohaul.plot`, loaded when it is first used."""
+    if name == "plot":
+        import importlib
+
+        return importlib.import_module("cohaul.plot")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

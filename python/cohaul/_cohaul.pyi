@@ -11,9 +11,11 @@ __all__ = [
     "LimitSurface",
     "Mission",
     "REVISION",
+    "Recording",
     "Scenario",
     "VERSION",
     "cli_main",
+    "flow",
     "recover",
     "replay",
     "schema",
@@ -27,6 +29,9 @@ def cli_main(argv: list[str]) -> int:
 
 def schema() -> str:
     """JSON Schema of scenario files."""
+
+def flow() -> list[dict[str, Any]]:
+    """The flow of control of one robot as a list of nodes: the steps of a tick in their order, then the phases."""
 
 def replay(path: str | PathLike[str]) -> dict[str, Any]:
     """Decides the log at `path` anew."""
@@ -77,12 +82,25 @@ class Mission:
         """How it ended, as a JSON object."""
     def traces(self) -> dict[str, NDArray[Any]]:
         """What happened: arrays by name."""
+    def layout(self) -> dict[str, Any]:
+        """Bodies, teams and their waypoints."""
     def rows(self) -> list[tuple[str, str]]:
         """Label and value of every row of the table of results."""
     def html(self) -> str:
         """The replay page."""
     def picture(self) -> str:
         """The picture, SVG."""
+
+class Recording:
+    """A log as the mission that it recorded."""
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Recording:
+        """Reads the log at `path`."""
+    def traces(self) -> dict[str, NDArray[Any]]:
+        """What happened: arrays by name."""
+    def layout(self) -> dict[str, Any]:
+        """Bodies, teams and their waypoints."""
 
 class LimitSurface:
     """Which friction wrench a load feels while it slides over the ground.

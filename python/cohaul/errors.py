@@ -9,6 +9,7 @@ __all__ = [
     "ControlError",
     "FileError",
     "MissingFileError",
+    "MissingPackageError",
     "RecordError",
     "ScenarioError",
     "ScenarioWarning",
@@ -91,3 +92,7 @@ class FileError(CohaulError, OSError):
 
 class MissingFileError(FileError, FileNotFoundError):
     """A file does not exist."""
+
+
+class MissingPackageError(CohaulError, ImportError):
+    """A package that this function needs is not installed."""

@@ -52,6 +52,8 @@ class Phase(IntEnum):
     """Repositioning: creeps up to the edge."""
     DONE = 6
     """The last waypoint is reached."""
+    TELEPORT = 7
+    """Repositioning in simulation only: put into its slot at once."""
 
 
 class Primitive(IntEnum):

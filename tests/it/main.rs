@@ -6,6 +6,7 @@ mod beyond;
 mod compare;
 mod contact;
 mod experiments;
+mod flow;
 mod layering;
 mod missions;
 mod scenarios;

@@ -12,6 +12,7 @@ use cohaul_core::time::Time;
 use cohaul_sim::episode::{NoRecorder, run};
 use cohaul_sim::mission::Mission;
 use cohaul_sim::outcome::{End, Outcome};
+use cohaul_sim::recording::Recording;
 use cohaul_sim::replay::replay;
 
 fn scenarios() -> PathBuf {
@@ -111,6 +112,15 @@ fn replay_decides_a_whole_log_again_bit_for_bit() {
         assert_eq!((replayed.different, replayed.first), (0, None));
         assert!(replayed.decisions as f64 > 100.0 * mission.outcome.time_s, "{}", replayed.decisions);
     }
+}
+
+#[test]
+fn a_log_gives_back_the_mission_frame_by_frame() {
+    let (bytes, mission) = log(scenario("r2p2/downhill.yaml", &["teams.0.mission.time_limit=40"]));
+    let recording = Recording::read(bytes.as_slice()).unwrap();
+    assert_eq!(recording.scenario, mission.scenario);
+    assert_eq!(recording.frames, mission.frames);
+    assert!(Recording::read(&bytes[..bytes.len() / 2]).is_err());
 }
 
 #[test]

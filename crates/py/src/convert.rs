@@ -1,6 +1,10 @@
 //! NumPy on one side, nalgebra and the frames of a mission on the other: the only place where they meet.
 
 use cohaul_core::control::Phase;
+use cohaul_core::control::r2p2::Parameters;
+use cohaul_core::geometry::shape::ConvexPolygon;
+use cohaul_core::scenario::TeamInstance;
+use cohaul_core::scenario::document::{self, Controller, Scenario};
 use cohaul_core::se2::{Twist2, Wrench2};
 use cohaul_core::transport::primitive::Primitive;
 use cohaul_core::transport::role::Role;
@@ -53,6 +57,57 @@ pub fn traces<'py>(py: Python<'py>, frames: &[Frame]) -> PyResult<Traces<'py>> {
         heading_error: column(py, of_teams, teams().map(|t| t.heading_error))?,
         distance: column(py, of_teams, teams().map(|t| t.distance))?,
         waypoint: column(py, of_teams, teams().map(|t| t.waypoint as i64))?,
+    })
+}
+
+/// The bodies of a scenario and what its teams shall reach; coordinates (n, 2) in metres, loads in their own frame.
+#[derive(IntoPyObject)]
+pub struct Layout<'py> {
+    name: String,
+    outlines: Vec<Bound<'py, PyArray<f64, Ix2>>>,
+    obstacles: Vec<Bound<'py, PyArray<f64, Ix2>>>,
+    teams: Vec<Team<'py>>,
+}
+
+/// A team of a [`Layout`].
+#[derive(IntoPyObject)]
+struct Team<'py> {
+    load: usize,
+    robots: Vec<usize>,
+    radius: f64,
+    waypoints: Bound<'py, PyArray<f64, Ix2>>,
+    tolerance: f64,
+    /// Heading error that starts a rotation, rad.
+    heading_threshold: Option<f64>,
+}
+
+/// The layout of `scenario`.
+pub fn layout<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Layout<'py>> {
+    let instance = scenario.instance().map_err(|e| error::sim(&e.into()))?;
+    let corners = |polygon: &ConvexPolygon| {
+        let vertices = polygon.vertices();
+        column(py, [vertices.len(), 2], vertices.iter().flat_map(|v| [v.x, v.y]))
+    };
+    let team = |(team, built): (&document::Team, &TeamInstance)| {
+        let (first, mission) = (built.first_robot.index(), &team.mission);
+        let heading_threshold = match &team.controller {
+            Controller::R2p2(keys) => Some(Parameters::new(keys).heading_threshold),
+            Controller::Vlf(keys) => Some(keys.heading_threshold),
+        };
+        Ok(Team {
+            load: built.load.index(),
+            robots: (first..first + built.robots()).collect(),
+            radius: built.model.radius,
+            waypoints: column(py, [mission.points().count(), 2], mission.points().flat_map(|p| [p.x, p.y]))?,
+            tolerance: mission.tolerance,
+            heading_threshold,
+        })
+    };
+    Ok(Layout {
+        name: scenario.name.clone(),
+        outlines: instance.loads.iter().map(|load| corners(&load.polygon)).collect::<PyResult<_>>()?,
+        obstacles: instance.obstacles.iter().map(corners).collect::<PyResult<_>>()?,
+        teams: scenario.teams.iter().zip(&instance.teams).map(team).collect::<PyResult<_>>()?,
     })
 }
 

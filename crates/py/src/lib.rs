@@ -5,6 +5,7 @@ mod command;
 mod contact;
 mod convert;
 mod error;
+mod flow;
 mod log;
 mod mission;
 
@@ -21,7 +22,9 @@ mod _cohaul {
     #[pymodule_export]
     use crate::contact::LimitSurface;
     #[pymodule_export]
-    use crate::log::{compare, recover, replay};
+    use crate::flow::flow;
+    #[pymodule_export]
+    use crate::log::{Recording, compare, recover, replay};
     #[pymodule_export]
     use crate::mission::{Mission, Scenario, schema};
 }

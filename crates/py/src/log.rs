@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use cohaul_sim::files;
+use cohaul_sim::recording;
 use cohaul_sim::replay::Difference;
 use pyo3::prelude::*;
 
-use crate::error;
+use crate::{convert, error};
 
 /// Result of a replay, with the names of `cohaul replay --json`.
 #[derive(IntoPyObject)]
@@ -68,4 +69,30 @@ pub fn recover(py: Python<'_>, path: PathBuf, out: Option<PathBuf>) -> PyResult<
 pub fn compare(py: Python<'_>, a: PathBuf, b: PathBuf, fields: Vec<String>, out: Option<PathBuf>) -> PyResult<String> {
     let compared = py.detach(|| files::compare(&a, &b, &fields, out.as_deref())).map_err(error::compare)?;
     Ok(compared.to_json())
+}
+
+/// A log as the mission that it recorded.
+#[pyclass(frozen, module = "cohaul._cohaul")]
+pub struct Recording {
+    recording: recording::Recording,
+}
+
+#[pymethods]
+impl Recording {
+    /// Reads the log at `path`.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let recording = py.detach(|| files::read_log(&path)).map_err(error::file)?;
+        Ok(Self { recording })
+    }
+
+    /// What happened: arrays by name.
+    fn traces<'py>(&self, py: Python<'py>) -> PyResult<convert::Traces<'py>> {
+        convert::traces(py, &self.recording.frames)
+    }
+
+    /// Bodies, teams and their waypoints.
+    fn layout<'py>(&self, py: Python<'py>) -> PyResult<convert::Layout<'py>> {
+        convert::layout(py, &self.recording.scenario)
+    }
 }

@@ -129,6 +129,11 @@ impl Mission {
         convert::traces(py, &self.mission.frames)
     }
 
+    /// Bodies, teams and their waypoints.
+    fn layout<'py>(&self, py: Python<'py>) -> PyResult<convert::Layout<'py>> {
+        convert::layout(py, &self.mission.scenario)
+    }
+
     /// Label and value of every row of the table of results.
     fn rows(&self) -> Vec<(String, String)> {
         self.mission.outcome.rows()

@@ -19,6 +19,7 @@ use crate::experiment::store;
 use crate::experiment::trials::TrialError;
 use crate::mission::Mission;
 use crate::page;
+use crate::recording::Recording;
 use crate::replay::{self, Replayed};
 
 /// A file that could not be used.
@@ -168,6 +169,15 @@ fn write(path: &Path, text: &str) -> Result<(), FileError> {
 pub fn replay_log(path: &Path) -> Result<Replayed, FileError> {
     let file = File::open(path).map_err(io_error("read", path))?;
     Ok(replay::replay(io::BufReader::new(file))?)
+}
+
+/// Reads the log at `path` as the mission that it recorded.
+///
+/// # Errors
+/// A file that cannot be read, or a damaged log.
+pub fn read_log(path: &Path) -> Result<Recording, FileError> {
+    let file = File::open(path).map_err(io_error("read", path))?;
+    Ok(Recording::read(io::BufReader::new(file))?)
 }
 
 /// Makes a valid log of what is left of the one at `path`; the other file is `output`, or NAME.recovered.mcap beside it.

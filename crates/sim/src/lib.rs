@@ -11,6 +11,7 @@ pub mod mission;
 pub mod outcome;
 pub mod page;
 pub mod plot;
+pub mod recording;
 pub mod replay;
 mod score;
 pub mod sensor;

@@ -8,14 +8,15 @@ use cohaul_core::record::marker::Marker;
 use cohaul_core::record::{Header, LogWriter};
 use cohaul_core::scenario::Instance;
 use cohaul_core::scenario::document::{Scenario, WorldKind};
-use cohaul_core::se2::{Pose2, position, wrap_angle, yaw};
+use cohaul_core::se2::Pose2;
 use cohaul_core::time::Time;
 use nalgebra::Vector2;
 
 use crate::episode::{self, Recorder};
 use crate::error::SimError;
 use crate::outcome::Outcome;
-use crate::page::{Frame, Replay, ReplayEvent, ReplayLoad, ReplayRobot, ReplayTeam, RobotFrame, TeamFrame};
+use crate::page::{Frame, Replay, ReplayEvent, ReplayLoad, ReplayRobot, ReplayTeam};
+use crate::recording::{robot_frame, team_frame, triple};
 use crate::world::World;
 
 /// Version of this program.
@@ -152,11 +153,6 @@ pub const fn world_name(world: WorldKind) -> &'static str {
     }
 }
 
-fn triple(pose: &Pose2) -> [f64; 3] {
-    let at = position(pose);
-    [at.x, at.y, yaw(pose)]
-}
-
 /// Collects frames.
 struct FrameRecorder<'a> {
     frames: Vec<Frame>,
@@ -175,32 +171,14 @@ impl Recorder for FrameRecorder<'_> {
 
     fn state(&mut self, world: &dyn World, decisions: &[Decision]) -> Result<(), SimError> {
         let loads = (0..self.instance.loads.len()).map(|i| triple(&world.load_pose(LoadId(i as u16)))).collect();
-        let robots = (0..)
-            .zip(decisions)
-            .map(|(i, decision)| RobotFrame {
-                pose: triple(&world.robot_pose(RobotId(i))),
-                command: [decision.command.linear, decision.command.angular],
-                speed: world.robot_speeds(RobotId(i)).linear,
-                role: decision.role,
-                phase: decision.phase,
-                stop: decision.stop,
-            })
+        let robots = (0..).map(RobotId).zip(decisions);
+        let robots = robots
+            .map(|(id, decision)| robot_frame(&world.robot_pose(id), world.robot_speeds(id).linear, decision))
             .collect();
-        let teams = self.instance.teams.iter().zip(self.scenario.teams.iter());
+        let teams = self.scenario.teams.iter().zip(&self.instance.teams);
         let teams = teams
-            .map(|(team, spec)| {
-                let decision = decisions[team.first_robot.index()];
-                // at the end the goal stays the target
-                let passed = usize::from(decision.waypoint);
-                let target = spec.mission.points().nth(passed).unwrap_or(&spec.mission.goal);
-                let load = world.load_pose(team.load);
-                let way = Vector2::new(target.x, target.y) - position(&load);
-                TeamFrame {
-                    primitive: decision.primitive,
-                    heading_error: wrap_angle(way.y.atan2(way.x) - yaw(&load)),
-                    distance: way.norm(),
-                    waypoint: passed,
-                }
+            .map(|(team, built)| {
+                team_frame(&team.mission, &world.load_pose(built.load), &decisions[built.first_robot.index()])
             })
             .collect();
         self.frames.push(Frame { time: world.time().seconds(), loads, robots, teams });

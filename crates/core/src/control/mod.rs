@@ -5,6 +5,7 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod filter;
+pub mod flow;
 pub mod guard;
 pub mod guidance;
 pub mod r2p2;

@@ -368,8 +368,9 @@ impl Controller for R2p2 {
         memory.since_check += 1;
         let peers_hold = observation.stop_flags.any_but(self.place);
         if !memory.phase.is_repositioning() || memory.phase == Phase::Teleport {
-            let due =
-                motion.changed || memory.since_check >= p.check_interval || (peers_hold && memory.phase != Phase::Hold);
+            let interval_over = memory.since_check >= p.check_interval;
+            let due = memory.phase != Phase::Done
+                && (motion.changed || interval_over || (peers_hold && memory.phase != Phase::Hold));
             if due {
                 memory.since_check = 0;
             }

@@ -201,7 +201,8 @@ impl Controller for Vlf {
         memory.since_check += 1;
         if !memory.phase.is_repositioning() {
             let begins = translates && motion.changed;
-            let due = begins || (translates && memory.since_check >= keys.check_interval);
+            let due =
+                memory.phase != Phase::Done && (begins || (translates && memory.since_check >= keys.check_interval));
             if due {
                 memory.since_check = 0;
             }
