@@ -23,6 +23,7 @@ from cohaul.errors import (
     CompareError,
     ContactError,
     ControlError,
+    ExperimentError,
     FileError,
     MissingFileError,
     MissingPackageError,
@@ -31,6 +32,7 @@ from cohaul.errors import (
     ScenarioWarning,
     SimError,
 )
+from cohaul.experiments import experiments, reproduce
 from cohaul.log import Difference, Recovered, Replayed, compare, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
 
@@ -43,6 +45,7 @@ __all__ = [
     "ContactError",
     "ControlError",
     "Difference",
+    "ExperimentError",
     "FileError",
     "LimitSurface",
     "MissingFileError",
@@ -62,10 +65,12 @@ __all__ = [
     "__version__",
     "check",
     "compare",
+    "experiments",
     "flow",
     "plot",
     "recover",
     "replay",
+    "reproduce",
     "run",
     "schema",
 ]

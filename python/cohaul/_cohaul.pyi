@@ -91,6 +91,20 @@ class Mission:
     def picture(self) -> str:
         """The picture, SVG."""
 
+def experiments() -> list[tuple[str, str]]:
+    """Names of the experiments with what each of them shows."""
+
+def reproduce(
+    name: str,
+    trials: int | None,
+    seed: int,
+    world: str,
+    jobs: int,
+    out: str | PathLike[str],
+    changes: list[str],
+) -> tuple[str, Path]:
+    """Runs an experiment into a folder; gives what `cohaul reproduce --json` prints, and the folder."""
+
 class Recording:
     """A log as the mission that it recorded."""
 

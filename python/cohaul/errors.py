@@ -78,6 +78,10 @@ class ControlError(CohaulError, ValueError):
     """A controller refuses its parameters, or a log's memory does not fit it."""
 
 
+class ExperimentError(CohaulError, ValueError):
+    """There is no such experiment, or its folder holds trials of another one."""
+
+
 class SimError(CohaulError):
     """A mission cannot be run or replayed."""
 

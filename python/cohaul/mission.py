@@ -296,10 +296,15 @@ def _load(
     path: str | os.PathLike[str], by_path: Mapping[str, object] | None, by_name: Mapping[str, object]
 ) -> _cohaul.Scenario:
     changes = {**(by_path or {}), **{name.replace("__", "."): value for name, value in by_name.items()}}
-    texts = [f"{key}={_yaml(key, value)}" for key, value in changes.items()]
+    texts = override_texts(changes)
     if isinstance(path, str) and "\n" in path:
         return _cohaul.Scenario.parse(path, texts)
     return _cohaul.Scenario.read(path, texts)
+
+
+def override_texts(changes: Mapping[str, object] | None) -> list[str]:
+    """Keys and their values as `--set` takes them."""
+    return [f"{key}={_yaml(key, value)}" for key, value in (changes or {}).items()]
 
 
 def _yaml(key: str, value: object) -> str:

@@ -20,6 +20,7 @@ from pathlib import Path
 import cohaul
 import numpy as np
 import pytest
+import yaml
 from cohaul import _cohaul
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -42,23 +43,26 @@ def flat():
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
 def test_every_trace_has_its_shape_and_type(path):
+    scenario = yaml.safe_load(path.read_text())
+    robots, loads = sum(team["robots"]["count"] for team in scenario["teams"]), len(scenario["loads"])
+    teams = len(scenario["teams"])
     outcome = cohaul.run(path, **SHORT)
     traces = outcome.traces
     instants = traces.time.size
     assert instants > 0.9 * 20 * outcome.time_s
     shapes = {
         "time": (instants,),
-        "load_pose": (instants, 1, 3),
-        "robot_pose": (instants, 6, 3),
-        "command": (instants, 6, 2),
-        "speed": (instants, 6),
-        "role": (instants, 6),
-        "phase": (instants, 6),
-        "stop": (instants, 6),
-        "primitive": (instants, 1),
-        "heading_error": (instants, 1),
-        "distance": (instants, 1),
-        "waypoint": (instants, 1),
+        "load_pose": (instants, loads, 3),
+        "robot_pose": (instants, robots, 3),
+        "command": (instants, robots, 2),
+        "speed": (instants, robots),
+        "role": (instants, robots),
+        "phase": (instants, robots),
+        "stop": (instants, robots),
+        "primitive": (instants, teams),
+        "heading_error": (instants, teams),
+        "distance": (instants, teams),
+        "waypoint": (instants, teams),
     }
     kinds = {"role": "int8", "phase": "int8", "primitive": "int8", "stop": "bool", "waypoint": "int64"}
     for name, shape in shapes.items():

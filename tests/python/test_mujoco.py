@@ -142,7 +142,7 @@ def model(push: Push) -> "mujoco.MjModel":
     slope = math.radians(push.slope_deg)
     return mujoco.MjModel.from_xml_string(f"""
         <mujoco>
-          <option timestep="{STEP}" cone="elliptic" impratio="1e4" solver="Newton" tolerance="1e-10"
+          <option timestep="{STEP}" cone="elliptic" impratio="10" solver="Newton" tolerance="1e-10"
                   gravity="{-GRAVITY * math.sin(slope)} 0 {-GRAVITY * math.cos(slope)}"/>
           <default><geom condim="3"/></default>
           <worldbody>

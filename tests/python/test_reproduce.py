@@ -8,7 +8,9 @@ import subprocess
 import time
 from pathlib import Path
 
+import cohaul
 import pandas
+import pytest
 from conftest import command
 
 
@@ -72,3 +74,16 @@ def test_wrong_names_and_foreign_folders_are_refused(tmp_path: Path) -> None:
 def test_the_list_names_every_experiment() -> None:
     listed = subprocess.run(command("reproduce", "--list"), capture_output=True, text=True)
     assert listed.returncode == 0 and "r2p2-taguchi (486 cells × 1 trials)" in listed.stdout
+
+
+def test_python_runs_the_same_experiments(tmp_path: Path) -> None:
+    assert "r2p2-taguchi" in cohaul.experiments()
+    found = cohaul.reproduce("r2p2-tight", trials=1, seed=701, out=tmp_path, set={"loads.0.mass": 0.06})
+    assert len(found["cells"]) == 15 and all(cell["reached"] == 1 for cell in found["cells"])
+    assert found["folder"] == tmp_path / "r2p2-tight-planar" and (found["folder"] / "report.md").exists()
+    with pytest.raises(cohaul.ExperimentError, match="r2p2-generalize"):
+        cohaul.reproduce("r2p2-nonsense", out=tmp_path)
+    with pytest.raises(cohaul.ExperimentError, match="--out"):
+        cohaul.reproduce("r2p2-tight", trials=1, out=tmp_path)
+    with pytest.raises(cohaul.ScenarioError, match="world"):
+        cohaul.reproduce("r2p2-tight", trials=1, out=tmp_path, world="flat")

@@ -7,6 +7,7 @@ use cohaul_core::record::RecordError;
 use cohaul_core::scenario::{ScenarioError, Warning};
 use cohaul_sim::compare::CompareError;
 use cohaul_sim::error::{SimError, chain};
+use cohaul_sim::experiment::trials::TrialError;
 use cohaul_sim::files::FileError;
 use pyo3::PyErr;
 
@@ -15,6 +16,7 @@ mod python {
     pyo3::import_exception!(cohaul.errors, CompareError);
     pyo3::import_exception!(cohaul.errors, ContactError);
     pyo3::import_exception!(cohaul.errors, ControlError);
+    pyo3::import_exception!(cohaul.errors, ExperimentError);
     pyo3::import_exception!(cohaul.errors, FileError);
     pyo3::import_exception!(cohaul.errors, MissingFileError);
     pyo3::import_exception!(cohaul.errors, RecordError);
@@ -59,8 +61,14 @@ pub fn file(error: FileError) -> PyErr {
         FileError::Io { source, path, .. } => {
             python::FileError::new_err((source.raw_os_error(), reason(&source), path.into_os_string()))
         }
+        FileError::Trials(error @ (TrialError::Other { .. } | TrialError::Busy { .. })) => experiment(chain(&error)),
         error => python::FileError::new_err(chain(&error)),
     }
+}
+
+/// An experiment that does not exist, or a folder that holds other trials.
+pub fn experiment(message: String) -> PyErr {
+    python::ExperimentError::new_err(message)
 }
 
 /// Results that do not fit together.

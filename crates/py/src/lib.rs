@@ -5,6 +5,7 @@ mod command;
 mod contact;
 mod convert;
 mod error;
+mod experiment;
 mod flow;
 mod log;
 mod mission;
@@ -21,6 +22,8 @@ mod _cohaul {
     use crate::command::cli_main;
     #[pymodule_export]
     use crate::contact::LimitSurface;
+    #[pymodule_export]
+    use crate::experiment::{experiments, reproduce};
     #[pymodule_export]
     use crate::flow::flow;
     #[pymodule_export]

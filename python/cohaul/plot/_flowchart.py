@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 _ROW = 1.5
 """Distance of rows."""
+# the phase at the goal
+_END = "done"
 _WIDTH, _HEIGHT = 2.1, 0.62
 """Of a box."""
 _WIDER = 0.9
@@ -37,7 +39,7 @@ _WORK_X, _MOVE_X = 8.2, 13.9
 def flowchart(*, ax: Axes | None = None, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw the flow of control of one robot, after [R2P2] Fig. 3: the questions of a tick, and the phases.
 
-    Nodes and arrows are those of `cohaul.flow()`.
+    Nodes and arrows are those of `cohaul.flow()`; the teleport of simulations, which no robot has, is left out.
 
     ax
         Axes to draw into; by default a new figure.
@@ -48,7 +50,7 @@ def flowchart(*, ax: Axes | None = None, path: str | os.PathLike[str] | None = N
         figure, ax = new_figure(14.0, 8.6)
     else:
         figure = figure_of(ax)
-    nodes = _cohaul.flow()
+    nodes = [_without(node, "teleport") for node in _cohaul.flow() if node["name"] != "teleport"]
     steps = [node for node in nodes if node["kind"] == "step"]
     phases = [node for node in nodes if node["kind"] == "phase"]
     texts = {phase["name"]: phase["text"] for phase in phases}
@@ -60,6 +62,11 @@ def flowchart(*, ax: Axes | None = None, path: str | os.PathLike[str] | None = N
     ax.margins(0.02)
     ax.set_axis_off()
     return finished(figure, path)
+
+
+def _without(node: dict[str, Any], name: str) -> dict[str, Any]:
+    """The node without its arrows to `name`."""
+    return {**node, "next": [way for way in node["next"] if way["to"] != name]}
 
 
 def _color(name: str, moves: set[str]) -> str:
@@ -178,9 +185,11 @@ class _Phases:
     """Phases and what makes one follow another."""
 
     def __init__(self, ax: Axes, phases: list[dict[str, Any]]) -> None:
-        self.ax, self.phases = ax, phases
+        self.ax, self.phases = ax, [phase if phase["name"] != _END else {**phase, "next": []} for phase in phases]
+        # from the end it goes back to work: one arrow, drawn on its own
+        self.back = next(way["why"] for phase in phases if phase["name"] == _END for way in phase["next"])
         self.moves = [phase["name"] for phase in phases if phase["repositioning"]]
-        self.final = [phase["name"] for phase in phases if not phase["next"]]
+        self.final = [_END]
         self.works = [p["name"] for p in phases if p["name"] not in {*self.moves, *self.final}]
         self.at: dict[str, Point] = {}
         for row, name in enumerate(self.moves):
@@ -210,6 +219,10 @@ class _Phases:
         self.frame(self.right)
         for members, source, to, why in self.merged():
             self.lead(members, source, to, why)
+        x, y = self.at[_END]
+        back = x - 0.35 * _WIDTH
+        _arrow(self.ax, [(back, y - _HEIGHT / 2), (back, self.top)], name=f"{_END} to {'+'.join(self.works)}")
+        _label(self.ax, (back - 0.12, (y - _HEIGHT / 2 + self.top) / 2), self.back, ha="right")
 
     def merged(self) -> list[tuple[list[str], str, str, str]]:
         """Transitions as (members, source, to, why); `members` is a whole column if all of it has the transition."""
