@@ -41,6 +41,9 @@ SAG = 1e-3
 PUSH_HEIGHT = 0.01
 """Height at which robots push, m: low, because a push higher up presses the front feet harder than the others."""
 
+HARD = 1e4
+"""Stiffness of friction over that of contact, `impratio`, that makes friction hard on soft feet; 10 lets it creep."""
+
 SCENARIO = """
 format: cohaul/1
 name: push
@@ -115,7 +118,7 @@ def springs(stiffness: float, damping: float, impedance: float) -> str:
     return f'solref="{-stiffness * scale} {-damping * scale}" solimp="{impedance} {impedance} 0.001"'
 
 
-def model(push: Push) -> "mujoco.MjModel":
+def model(push: Push, impratio: float) -> "mujoco.MjModel":
     """Ground, load on its feet, and robots that are moved from outside.
 
     A sliding contact in MuJoCo is pushed apart as if it approached at the friction coefficient times its sliding speed, a
@@ -142,7 +145,7 @@ def model(push: Push) -> "mujoco.MjModel":
     slope = math.radians(push.slope_deg)
     return mujoco.MjModel.from_xml_string(f"""
         <mujoco>
-          <option timestep="{STEP}" cone="elliptic" impratio="10" solver="Newton" tolerance="1e-10"
+          <option timestep="{STEP}" cone="elliptic" impratio="{impratio}" solver="Newton" tolerance="1e-10"
                   gravity="{-GRAVITY * math.sin(slope)} 0 {-GRAVITY * math.cos(slope)}"/>
           <default><geom condim="3"/></default>
           <worldbody>
@@ -168,9 +171,9 @@ class Played:
     """(n, 96) Normal forces of the feet in units of their mean, looked at now and then once the load moves."""
 
 
-def played(push: Push, traces: cohaul.Traces) -> Played:
+def played(push: Push, traces: cohaul.Traces, *, impratio: float = HARD) -> Played:
     """The push in MuJoCo, the robots moving as recorded."""
-    physics = model(push)
+    physics = model(push, impratio)
     state = mujoco.MjData(physics)
     state.qpos[2] = -SAG
     steps = np.arange(round(SECONDS / STEP) + 1)
@@ -203,12 +206,15 @@ def pressure(physics: "mujoco.MjModel", state: "mujoco.MjData") -> NDArray[np.fl
     return forces / forces.mean()
 
 
+# the usual impratio for the pushes that are long; the turn moves the load's centre by 6 cm only, of which creep is 4 mm there
 @pytest.mark.parametrize("world", ["planar", "spatial"])
-@pytest.mark.parametrize("name", PUSHES)
-def test_both_engines_move_the_load_alike(name: str, world: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "impratio"), [(name, HARD) for name in PUSHES] + [(name, 10.0) for name in PUSHES if name != "turn"]
+)
+def test_both_engines_move_the_load_alike(name: str, impratio: float, world: str) -> None:
     push = PUSHES[name]
     traces = push.record(world)
-    ours, theirs = traces.load_pose[:, 0], played(push, traces).load_pose
+    ours, theirs = traces.load_pose[:, 0], played(push, traces, impratio=impratio).load_pose
     path = np.hypot(*np.diff(ours[:, :2], axis=0).T).sum()
     apart = math.hypot(*(theirs[-1] - ours[-1])[:2])
     turned = abs(ours[-1, 2])
