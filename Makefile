@@ -53,6 +53,11 @@ install: $(VENV)/ready ## build the Python package and install it into .venv
 bench: ## measure speeds
 	cargo bench --locked --workspace
 
+.PHONY: results
+results: ## run the published experiments, write their report and its summary
+	cargo build --release --locked --workspace
+	.ci/results target/release/cohaul
+
 .PHONY: format
 format: ## format the Rust sources
 	cargo fmt --all

@@ -73,7 +73,7 @@ def test_wrong_names_and_foreign_folders_are_refused(tmp_path: Path) -> None:
 
 def test_the_list_names_every_experiment() -> None:
     listed = subprocess.run(command("reproduce", "--list"), capture_output=True, text=True)
-    assert listed.returncode == 0 and "r2p2-taguchi (486 cells × 1 trials)" in listed.stdout
+    assert listed.returncode == 0 and "r2p2-taguchi (486 cells × 5 trials)" in listed.stdout
 
 
 def test_python_runs_the_same_experiments(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
+use super::store::TABLE;
 use super::summary::CellSummary;
 use super::table::markdown_table;
 use super::verdict::{self, Verdict};
@@ -11,10 +12,18 @@ use super::{Experiment, Results, Section};
 use crate::mission::{REVISION, VERSION};
 use crate::statistics::wilson;
 
+/// Cells above which a report has no table of them.
+const MOST_CELLS: usize = 100;
+
 /// The report of one experiment.
 pub fn markdown(experiment: &dyn Experiment, results: &Results) -> String {
     let mut text = format!("# {}\n\n{}\n\n{}\n", results.name, experiment.about(), provenance(results));
-    let _ = write!(text, "\n## Cells\n\n{}", cells(results));
+    let table = if results.cells.len() > MOST_CELLS {
+        format!("{} cells, too many for a table: they are in {TABLE}.\n", results.cells.len())
+    } else {
+        cells(results)
+    };
+    let _ = write!(text, "\n## Cells\n\n{table}");
     for section in experiment.sections(results) {
         let _ = write!(text, "\n## {}\n\n{}\n", section.title, section.text.trim_end());
     }

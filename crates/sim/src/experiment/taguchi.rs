@@ -87,7 +87,7 @@ impl Experiment for Taguchi {
     }
 
     fn trials(&self) -> usize {
-        1
+        5
     }
 
     fn cells(&self) -> Vec<Design> {
