@@ -8,9 +8,13 @@
 //!
 //! [R2P2]: cohaul_core::_documentation::references
 
-use super::Experiment;
 use super::design::{Design, SINGLE, Terrain};
+use super::summary::CellSummary;
 use super::tight::MASS;
+use super::trials::Level;
+use super::verdict::{self, Verdict};
+use super::{Experiment, Results, Section};
+use crate::statistics::wilson;
 
 const BEARINGS: [f64; 4] = [15.0, 30.0, 45.0, 60.0];
 
@@ -52,6 +56,35 @@ impl Experiment for Baseline {
     fn cells(&self) -> Vec<Design> {
         [cells("vlf", "{vlf: {}}"), cells("r2p2", "{r2p2: {}}")].concat()
     }
+
+    fn sections(&self, results: &Results) -> Vec<Section> {
+        vec![verdict::section(&self.verdicts(results))]
+    }
+
+    fn verdicts(&self, results: &Results) -> Vec<Verdict> {
+        vec![baseline_fails(results, "vlf")]
+    }
+}
+
+/// "VLF method is successful only for the first two cases over all the three surface inclination scenarios."
+fn baseline_fails(results: &Results, method: &str) -> Verdict {
+    let statement = format!("{method} reaches the goal at bearings of 15° and 30° only");
+    let mut parts = Vec::new();
+    let mut agrees = true;
+    for bearing in BEARINGS {
+        let wanted = [("method", Level::from(method)), ("bearing_deg", Level::from(bearing))];
+        let has = |cell: &&CellSummary| wanted.iter().all(|(factor, level)| cell.key.level(factor) == Some(level));
+        let (reached, n) =
+            results.cells.iter().filter(has).fold((0, 0), |(reached, n), cell| (reached + cell.reached, n + cell.n));
+        if n == 0 {
+            return Verdict::unknown(&statement);
+        }
+        agrees &= if bearing < 40.0 { 2 * reached > n } else { 2 * reached < n };
+        let (low, high) = wilson(reached, n);
+        parts.push(format!("{bearing}°: {reached}/{n} ({low:.2} to {high:.2})"));
+    }
+    let better = if agrees { "" } else { "; ours does better than the paper says" };
+    Verdict { statement, agrees: Some(agrees), evidence: format!("reached {}{better}", parts.join(", ")) }
 }
 
 /// `r2p2-baseline-variants`.

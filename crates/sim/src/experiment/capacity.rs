@@ -16,7 +16,8 @@ use cohaul_core::time::Time;
 use super::bisect::{Bracket, largest_mass};
 use super::design::{Design, SINGLE};
 use super::table::markdown_table;
-use super::trials::{Trial, numbers};
+use super::trials::{Level, Trial, numbers};
+use super::verdict::{self, Verdict};
 use super::{Experiment, Measured, Results, Section};
 use crate::episode::{self, NoRecorder};
 use crate::files::FileError;
@@ -25,6 +26,24 @@ use crate::statistics::{ascending, quantile};
 
 /// Where the limit is sought, and how closely.
 const BRACKET: Bracket = Bracket { low: 0.01, high: 100.0, resolution: 0.01 };
+
+/// "A team of 6 robots with R2P2 can transport a box of mass upto 15 kg, while with VLF … only upto 0.05 kg."
+fn at_most(results: &Results, method: &str, paper: f64) -> Verdict {
+    let statement = format!("{method} moves up to {paper} kg");
+    let level = Level::from(method);
+    let masses =
+        ascending(&numbers(results.trials.iter().filter(|t| t.key.level("method") == Some(&level)), "capacity_kg"));
+    let (Some(least), Some(greatest)) = (masses.first(), masses.last()) else { return Verdict::unknown(&statement) };
+    // the paper's masses were tried, not bisected: the limit lies between the last one that it moved and the next
+    let agrees = *least >= paper && *greatest < 2.0 * paper;
+    let evidence = format!(
+        "bisected limit {:.2} kg, least {least:.2}, greatest {greatest:.2}, n {}{}",
+        quantile(&masses, 0.5),
+        masses.len(),
+        if *least >= 2.0 * paper { "; ours does better than the paper says" } else { "" },
+    );
+    Verdict { statement, agrees: Some(agrees), evidence }
+}
 
 /// `r2p2-capacity`.
 pub struct Capacity;
@@ -90,6 +109,11 @@ impl Experiment for Capacity {
             })
             .collect();
         let header = ["method", "seeds", "largest mass kg, median", "least to greatest", "paper kg"];
-        vec![Section::text("Largest mass", markdown_table(&header, &rows))]
+        let table = Section::text("Largest mass", markdown_table(&header, &rows));
+        vec![table, verdict::section(&self.verdicts(results))]
+    }
+
+    fn verdicts(&self, results: &Results) -> Vec<Verdict> {
+        [("r2p2", 15.0), ("vlf", 0.05)].map(|(method, paper)| at_most(results, method, paper)).to_vec()
     }
 }
