@@ -90,7 +90,7 @@ impl Vlf {
     pub fn new(keys: &document::Vlf, task: Task<'_>) -> Result<Self, ControlError> {
         let mut keys = *keys;
         for (parameter, value) in [("rate_hz", keys.rate_hz), ("speed", keys.speed), ("speed_max", keys.speed_max)] {
-            if !(value > 0.0) {
+            if value.is_nan() || value <= 0.0 {
                 return Err(ControlError::Parameter { parameter, value, expected: "positive" });
             }
         }
