@@ -1,8 +1,8 @@
 //! R2P2: roles with rules and proportional-control primitives.
 //!
 //! # Source
-//! [R2P2] §IV. Per tick: primitive (§IV-A, [`primitive`]), role (§IV-B, [`role`]), speeds (§IV-C, eqs. 3–5), and at intervals
-//! the check of the own slot ([`Repositioning`]). `v_b`, `ω_b` → `load_twist`, `r` → `lever`, `1/k_p` → `rotation_gain`,
+//! [R2P2] §IV. Per tick: primitive (§IV-A, [`guidance`](super::guidance)), role (§IV-B, [`role`]), speeds (§IV-C, eqs. 3–5),
+//! and at intervals the check of the own slot ([`Repositioning`]). `v_b`, `ω_b` → `load_twist`, `r` → `lever`, `1/k_p` → `rotation_gain`,
 //! `translation_gain` (Table III tunes the reciprocals), `v_min` → `speed_min`, `v_max` of eq. 4 → `load_speed_max`.
 //!
 //! # Deviations
