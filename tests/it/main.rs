@@ -2,6 +2,7 @@
 #![expect(clippy::disallowed_methods, reason = "tests read the repository's files and start programs")]
 
 mod allocations;
+mod capacity;
 mod contact;
 mod layering;
 mod missions;
