@@ -22,6 +22,7 @@ from cohaul.errors import (
     ControlError,
     FileError,
     MissingFileError,
+    PlanError,
     RecordError,
     ScenarioError,
     ScenarioWarning,
@@ -29,8 +30,10 @@ from cohaul.errors import (
 )
 from cohaul.log import Difference, Recovered, Replayed, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
+from cohaul.planner import Capacity, TeamCapacity, capacity
 
 __all__ = [
+    "Capacity",
     "CohaulError",
     "ContactError",
     "ControlError",
@@ -40,6 +43,7 @@ __all__ = [
     "MissingFileError",
     "Outcome",
     "Phase",
+    "PlanError",
     "Primitive",
     "RecordError",
     "Recovered",
@@ -48,9 +52,11 @@ __all__ = [
     "ScenarioError",
     "ScenarioWarning",
     "SimError",
+    "TeamCapacity",
     "Traces",
     "__revision__",
     "__version__",
+    "capacity",
     "check",
     "recover",
     "replay",

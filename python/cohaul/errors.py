@@ -72,6 +72,10 @@ class ControlError(CohaulError, ValueError):
     """A controller refuses its parameters, or a log's memory does not fit it."""
 
 
+class PlanError(CohaulError, ValueError):
+    """Slots that cannot be chosen, or a team that cannot form anew."""
+
+
 class SimError(CohaulError):
     """A mission cannot be run or replayed."""
 

@@ -4,6 +4,7 @@
 mod allocations;
 mod capacity;
 mod contact;
+mod formation;
 mod layering;
 mod missions;
 mod scenarios;

@@ -88,10 +88,10 @@ pub(crate) struct Conditions {
 
 /// Factors below this are none: the solver's tolerance is far below.
 const LEAST: f64 = 1e-4;
-/// Distance of a rotation's pivot from the load's centre over the load's radius: done well, done badly.
-const PIVOTS: [f64; 2] = [0.15, 1.0 / 3.0];
-/// Share of the factor that a rotation done badly counts.
-const AFAR: f64 = 0.3;
+/// Distance of a rotation's pivot from the load's centre over the load's radius: done well, done badly, hardly done.
+const PIVOTS: [f64; 3] = [0.15, 1.0 / 3.0, 1.0];
+/// Share of the factor that each of them counts.
+const WORTH: [f64; 3] = [1.0, 0.3, 0.0];
 /// Largest factor of interest.
 const CAP: f64 = 1e3;
 /// Tolerances of the role rules, those of the controller.
@@ -104,16 +104,16 @@ pub(crate) struct Rating {
     pub margin: f64,
     /// The demand that it belongs to.
     pub limited_by: Demand,
-    /// Demands, each heading for itself, that can be met at all.
-    pub met: usize,
+    /// How many demands, each heading for itself, are met how well.
+    pub met: f64,
 }
 
 /// Friction wrenches for every demand, computed once.
 #[derive(Clone, Debug)]
 pub(crate) struct Grip {
     conditions: Conditions,
-    /// Of each demand, done well and, where there is such a way, done badly.
-    wrenches: [[Vec<Vector3<f64>>; 2]; 4],
+    /// Of each demand, in every way to do it, the best first.
+    wrenches: [[Vec<Vector3<f64>>; 3]; 4],
     /// Directions of gravity along the ground in the load's frame; one zero vector on flat ground.
     gravity: Vec<Vector2<f64>>,
 }
@@ -145,23 +145,26 @@ impl Grip {
         } else {
             vec![Vector2::zeros()]
         };
-        let wrenches = [[translate, Vec::new()], rotate(1.0), rotate(-1.0), [hold, Vec::new()]];
+        let wrenches = [[translate, Vec::new(), Vec::new()], rotate(1.0), rotate(-1.0), [hold, Vec::new(), Vec::new()]];
         Self { wrenches, conditions, gravity }
     }
 
     /// How much the team can do in `slots`.
     pub fn rate(&self, slots: &[Slot]) -> Rating {
-        let mut rating = Rating { margin: CAP, limited_by: Demand::Hold, met: 0 };
+        let mut rating = Rating { margin: CAP, limited_by: Demand::Hold, met: 0.0 };
         for (demand, wrenches) in Demand::ALL.iter().zip(&self.wrenches) {
             for gravity in &self.gravity {
                 if *demand == Demand::Hold && gravity.norm() == 0.0 {
                     continue;
                 }
-                let mut margin = self.factor(*demand, &wrenches[0], gravity, slots);
-                if margin <= 0.0 && !wrenches[1].is_empty() {
-                    margin = AFAR * self.factor(*demand, &wrenches[1], gravity, slots);
-                }
-                rating.met += usize::from(margin > 0.0);
+                // how well it is met: well, badly, or only with the pivot far away, which counts for nothing but a start
+                let ways = wrenches.iter().filter(|way| !way.is_empty());
+                let met = ways.zip(WORTH).find_map(|(way, worth)| {
+                    let factor = self.factor(*demand, way, gravity, slots);
+                    (factor > 0.0).then_some((worth * factor, worth))
+                });
+                let (margin, worth) = met.unwrap_or((0.0, -1.0));
+                rating.met += 1.0 + worth;
                 if margin < rating.margin {
                     (rating.margin, rating.limited_by) = (margin, *demand);
                 }

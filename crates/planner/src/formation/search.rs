@@ -52,7 +52,7 @@ pub(crate) struct Found {
     pub places: Vec<Place>,
     pub margin: f64,
     pub limited_by: Demand,
-    met: usize,
+    met: f64,
     gaps: usize,
     spread: f64,
 }
