@@ -27,6 +27,7 @@ from cohaul.errors import (
     FileError,
     MissingFileError,
     MissingPackageError,
+    PlanError,
     RecordError,
     ScenarioError,
     ScenarioWarning,
@@ -35,11 +36,13 @@ from cohaul.errors import (
 from cohaul.experiments import experiments, reproduce
 from cohaul.log import Difference, Recovered, Replayed, compare, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
+from cohaul.planner import Capacity, TeamCapacity, capacity
 
 if TYPE_CHECKING:
     from cohaul import plot
 
 __all__ = [
+    "Capacity",
     "CohaulError",
     "CompareError",
     "ContactError",
@@ -52,6 +55,7 @@ __all__ = [
     "MissingPackageError",
     "Outcome",
     "Phase",
+    "PlanError",
     "Primitive",
     "RecordError",
     "Recovered",
@@ -60,9 +64,11 @@ __all__ = [
     "ScenarioError",
     "ScenarioWarning",
     "SimError",
+    "TeamCapacity",
     "Traces",
     "__revision__",
     "__version__",
+    "capacity",
     "check",
     "compare",
     "experiments",

@@ -54,6 +54,8 @@ class Scenario:
     @property
     def warnings(self) -> list[ScenarioWarning]:
         """What is allowed, but probably not meant: a list of `ScenarioWarning`."""
+    def capacity(self, without: list[int]) -> tuple[str, list[str]]:
+        """What every team can move once the robots `without` (from 1) are gone: a JSON object, and a table per team."""
     def run(self, out: str | PathLike[str] | None) -> Mission:
         """Runs the mission without holding the interpreter; writes log and page into the folder `out`, if any."""
 

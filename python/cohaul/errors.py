@@ -80,6 +80,8 @@ class ControlError(CohaulError, ValueError):
 
 class ExperimentError(CohaulError, ValueError):
     """There is no such experiment, or its folder holds trials of another one."""
+class PlanError(CohaulError, ValueError):
+    """Slots that cannot be chosen, or a team that cannot form anew."""
 
 
 class SimError(CohaulError):

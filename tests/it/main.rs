@@ -3,10 +3,12 @@
 
 mod allocations;
 mod beyond;
+mod capacity;
 mod compare;
 mod contact;
 mod experiments;
 mod flow;
+mod formation;
 mod layering;
 mod missions;
 mod scenarios;

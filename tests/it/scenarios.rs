@@ -486,6 +486,10 @@ fn try_mutations(seed: u64, count: usize, good: &[Vec<u8>]) -> usize {
         match resolved {
             Ok(scenario) => {
                 accepted += 1;
+                let open = scenario.teams.iter().any(|team| team.formation.slots == Slots::Auto);
+                if open {
+                    continue; // the planner chooses their slots
+                }
                 let instance = scenario.instance().expect("a valid scenario has its bodies");
                 for (team, built) in instance.teams.iter().enumerate() {
                     for place in 0..built.robots() {

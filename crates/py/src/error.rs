@@ -19,6 +19,7 @@ mod python {
     pyo3::import_exception!(cohaul.errors, ExperimentError);
     pyo3::import_exception!(cohaul.errors, FileError);
     pyo3::import_exception!(cohaul.errors, MissingFileError);
+    pyo3::import_exception!(cohaul.errors, PlanError);
     pyo3::import_exception!(cohaul.errors, RecordError);
     pyo3::import_exception!(cohaul.errors, ScenarioError);
     pyo3::import_exception!(cohaul.errors, ScenarioWarning);
@@ -55,6 +56,9 @@ pub fn file(error: FileError) -> PyErr {
     match error {
         FileError::Scenario(error) => scenario(&error),
         FileError::Sim(error) => sim(&error),
+        FileError::Formation(_) | FileError::Capacity(_) | FileError::Reform(_) => {
+            python::PlanError::new_err(chain(&error))
+        }
         FileError::Io { source, path, .. } if source.kind() == ErrorKind::NotFound => {
             python::MissingFileError::new_err((source.raw_os_error(), reason(&source), path.into_os_string()))
         }

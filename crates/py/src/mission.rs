@@ -6,7 +6,7 @@ use cohaul_core::scenario::{self, Override, Parsed};
 use cohaul_sim::files::{self, FileError};
 use cohaul_sim::page::{self, Replay};
 use cohaul_sim::stopwatch::Stopwatch;
-use cohaul_sim::{error::SimError, mission};
+use cohaul_sim::{capacity, error::SimError, mission};
 use pyo3::prelude::*;
 
 use crate::command::Signals;
@@ -50,6 +50,12 @@ impl Scenario {
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyAny>> {
         self.parsed.warnings.iter().map(|w| error::warning(w).into_value(py).into_bound(py).into_any()).collect()
+    }
+
+    /// What every team can move once the robots `without` (from 1) are gone: a JSON object, and a table per team.
+    fn capacity(&self, py: Python<'_>, without: Vec<usize>) -> PyResult<(String, Vec<String>)> {
+        let teams = py.detach(|| files::capacity(&self.parsed, &without)).map_err(error::file)?;
+        Ok((capacity::to_json(&teams), teams.iter().map(capacity::table).collect()))
     }
 
     /// Runs the mission without holding the interpreter; writes log and page into the folder `out`, if any.

@@ -1,6 +1,7 @@
 //! Worlds, episodes, and the `cohaul` command.
 #![forbid(unsafe_code)]
 
+pub mod capacity;
 pub mod cli;
 pub mod compare;
 pub mod episode;

@@ -13,7 +13,7 @@
 //! # Deviations
 //! - A mix of friction wrenches stands for the surface between them, which bulges outwards: the surface is underrated by a few
 //!   per cent.
-//! - A rotation may have its pivot anywhere within a third of the load's radius, and a translation may drift by a tenth: the
+//! - A rotation may have its pivot anywhere within 15 % of the load's radius (within a third it counts less), and a translation may drift by a tenth: the
 //!   controller corrects both.
 //!
 //! [Boyd2007]: cohaul_core::_documentation::references
@@ -86,16 +86,34 @@ pub(crate) struct Conditions {
     pub gap: f64,
 }
 
+/// Factors below this are none: the solver's tolerance is far below.
+const LEAST: f64 = 1e-4;
+/// Distance of a rotation's pivot from the load's centre over the load's radius: done well, done badly, hardly done.
+const PIVOTS: [f64; 3] = [0.15, 1.0 / 3.0, 1.0];
+/// Share of the factor that each of them counts.
+const WORTH: [f64; 3] = [1.0, 0.3, 0.0];
 /// Largest factor of interest.
 const CAP: f64 = 1e3;
 /// Tolerances of the role rules, those of the controller.
 const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
 
+/// How much a team can do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rating {
+    /// Least factor over all demands.
+    pub margin: f64,
+    /// The demand that it belongs to.
+    pub limited_by: Demand,
+    /// How many demands, each heading for itself, are met how well.
+    pub met: f64,
+}
+
 /// Friction wrenches for every demand, computed once.
 #[derive(Clone, Debug)]
 pub(crate) struct Grip {
     conditions: Conditions,
-    wrenches: [Vec<Vector3<f64>>; 4],
+    /// Of each demand, in every way to do it, the best first.
+    wrenches: [[Vec<Vector3<f64>>; 3]; 4],
     /// Directions of gravity along the ground in the load's frame; one zero vector on flat ground.
     gravity: Vec<Vector2<f64>>,
 }
@@ -110,8 +128,10 @@ impl Grip {
         let translate = [(0.0, 0.0), (0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)];
         let translate = translate.map(|(y, turn)| wrench(Twist2::new(1.0, y, turn / radius))).to_vec();
         let rotate = |sign: f64| {
-            let pivots = std::iter::once(Vector2::zeros()).chain(eighths().map(|u| u * conditions.reach / 3.0));
-            pivots.map(|q| wrench(Twist2::new(sign * q.y, -sign * q.x, sign))).collect::<Vec<_>>()
+            PIVOTS.map(|reach| {
+                let pivots = std::iter::once(Vector2::zeros()).chain(eighths().map(|u| u * conditions.reach * reach));
+                pivots.map(|q| wrench(Twist2::new(sign * q.y, -sign * q.x, sign))).collect::<Vec<_>>()
+            })
         };
         let hold = eighths()
             .flat_map(|u| [-1.0, 0.0, 1.0].map(|turn| Twist2::new(u.x, u.y, turn / radius)))
@@ -125,44 +145,47 @@ impl Grip {
         } else {
             vec![Vector2::zeros()]
         };
-        Self { wrenches: [translate, rotate(1.0), rotate(-1.0), hold], conditions, gravity }
+        let wrenches = [[translate, Vec::new(), Vec::new()], rotate(1.0), rotate(-1.0), [hold, Vec::new(), Vec::new()]];
+        Self { wrenches, conditions, gravity }
     }
 
-    /// The margin of `slots` and what limits it.
-    pub fn margin(&self, slots: &[Slot]) -> (f64, Demand) {
-        let mut least = (CAP, Demand::Hold);
+    /// How much the team can do in `slots`.
+    pub fn rate(&self, slots: &[Slot]) -> Rating {
+        let mut rating = Rating { margin: CAP, limited_by: Demand::Hold, met: 0.0 };
         for (demand, wrenches) in Demand::ALL.iter().zip(&self.wrenches) {
             for gravity in &self.gravity {
                 if *demand == Demand::Hold && gravity.norm() == 0.0 {
                     continue;
                 }
-                let margin = self.factor(*demand, wrenches, gravity, slots);
-                if margin < least.0 {
-                    least = (margin, *demand);
-                }
-                if least.0 <= 0.0 {
-                    return least;
+                // how well it is met: well, badly, or only with the pivot far away, which counts for nothing but a start
+                let ways = wrenches.iter().filter(|way| !way.is_empty());
+                let met = ways.zip(WORTH).find_map(|(way, worth)| {
+                    let factor = self.factor(*demand, way, gravity, slots);
+                    (factor > 0.0).then_some((worth * factor, worth))
+                });
+                let (margin, worth) = met.unwrap_or((0.0, -1.0));
+                rating.met += 1.0 + worth;
+                if margin < rating.margin {
+                    (rating.margin, rating.limited_by) = (margin, *demand);
                 }
             }
         }
-        least
+        rating
     }
 
-    /// Whether a robot in `slot` can act on the load for `demand`.
-    fn acts(&self, demand: Demand, gravity: &Vector2<f64>, slot: &Slot) -> bool {
+    /// Friction at the contact of a robot in `slot` that acts on the load for `demand`, `None` if it does not.
+    fn contact(&self, demand: Demand, gravity: &Vector2<f64>, slot: &Slot) -> Option<f64> {
         let c = &self.conditions;
-        let Demand::Move(primitive) = demand else { return true };
+        let Demand::Move(primitive) = demand else { return Some(c.contact_friction) };
         let center = slot.center(c.model.radius, c.gap);
+        let friction = c.friction * c.slope.normal;
         match role::assign(primitive, &center, &slot.facing, &Vector2::x(), c.half_length, &TOLERANCES) {
-            Role::Push | Role::Support => true,
+            Role::Push => Some(c.contact_friction),
             // gives way, so that it is felt only where the load would slide by itself
-            Role::Prevent => {
-                let friction = c.friction * c.slope.normal;
-                match primitive {
-                    Primitive::Translate => gravity.x > friction,
-                    Primitive::Rotate(_) => gravity.norm() > friction,
-                }
-            }
+            Role::Prevent if primitive == Primitive::Translate => (gravity.x > friction).then_some(0.0),
+            Role::Prevent => (gravity.norm() > friction).then_some(0.0),
+            // follows, and a slope may lean the load on it
+            Role::Support => (gravity.norm() > 0.0).then_some(0.0),
         }
     }
 
@@ -192,11 +215,11 @@ impl Grip {
             }
             Demand::Move(_) => program.zero(shares),
         }
-        for slot in slots.iter().filter(|slot| self.acts(demand, gravity, slot)) {
+        for (slot, friction) in slots.iter().filter_map(|s| Some((s, self.contact(demand, gravity, s)?))) {
             let (normal, along) = (program.variable(), program.variable());
             let tangent = perpendicular(&slot.facing);
-            program.nonnegative(c.contact_friction * normal - along);
-            program.nonnegative(c.contact_friction * normal + along);
+            program.nonnegative(friction * normal - along);
+            program.nonnegative(friction * normal + along);
             let force = |a: f64, b: f64| a * normal + b * along;
             let x = force(slot.facing.x, tangent.x);
             let y = force(slot.facing.y, tangent.y);
@@ -211,6 +234,6 @@ impl Grip {
         }
         program.minimize(-1.0 * factor);
         // a team that cannot even hold itself on the slope has no margin at all
-        program.solve().map_or(0.0, |solution| solution[factor].max(0.0))
+        program.solve().map_or(0.0, |solution| if solution[factor] > LEAST { solution[factor] } else { 0.0 })
     }
 }

@@ -5,8 +5,8 @@
 //! searched ([`search`]) for the largest margin ([`grip`]).
 //!
 //! # Deviations
-//! - A formation that does not cage the load loses three tenths of its worth per way out. Where the scenario requires caging, or
-//!   there are two robots or more per edge, a closed cage counts before any margin.
+//! - A formation that does not cage the load loses half of its worth per way out. Where the scenario requires caging, or
+//!   there are two robots more than edges, a closed cage counts before the margin.
 //! - Without the key `caging` a formation found to cage its load is resolved as `required`, another one as `partial`.
 //!
 //! [R2P2]: cohaul_core::_documentation::references
@@ -29,8 +29,10 @@ use search::{Board, CLEAR};
 
 use crate::capacity::{self, Capacity, CapacityError};
 
+/// Robots beyond one per edge from which on a closed cage counts before the margin.
+const SPARE: usize = 2;
 /// Headings tried on a slope.
-const DIRECTIONS: usize = 8;
+const DIRECTIONS: usize = 4;
 
 /// Slots chosen for one team.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,7 +166,7 @@ fn choose_for(scenario: &Scenario, index: usize) -> Result<Chosen, FormationPlan
     let formation = &team.formation;
     let caged = match formation.caging {
         Some(caging) => caging == Caging::Required,
-        None => robots >= 2 * edges,
+        None => robots >= edges + SPARE,
     };
     let board =
         Board { load: &load, placement: formation.contact_placement, gap: formation.gap, radius: model.radius, caged };

@@ -18,9 +18,11 @@ use super::grip::{Demand, Grip};
 /// Clear distance that robots keep in their slots, m.
 pub(crate) const CLEAR: f64 = 0.02;
 /// Share of the margin that one way out of the formation costs where caging is not required.
-const OPEN: f64 = 0.3;
+const OPEN: f64 = 0.5;
 /// Relative differences of the margin below this are none.
 const EQUAL: f64 = 0.005;
+/// Widest angle between neighbours seen from the load's centre, rad: a half-plane less 10°.
+const WIDEST: f64 = std::f64::consts::PI * 17.0 / 18.0;
 /// Rounds of exchanges.
 const ROUNDS: usize = 8;
 
@@ -50,6 +52,7 @@ pub(crate) struct Found {
     pub places: Vec<Place>,
     pub margin: f64,
     pub limited_by: Demand,
+    met: f64,
     gaps: usize,
     spread: f64,
 }
@@ -121,7 +124,11 @@ impl Board<'_> {
 
     fn rate(&self, grip: &Grip, places: Vec<Place>) -> Found {
         let slots: Vec<Slot> = places.iter().map(|p| self.slot(*p)).collect();
-        let (margin, limited_by) = grip.margin(&slots);
+        // a load that is not between its robots is nobody's
+        let mut rating = grip.rate(&slots);
+        if !self.surround(&slots) {
+            (rating.margin, rating.limited_by) = (0.0, Demand::Hold);
+        }
         let gaps = Formation::around(slots, self.gap, self.radius).caging_gaps(self.load).len();
         let mut spread = f64::INFINITY;
         for (i, a) in places.iter().enumerate() {
@@ -129,10 +136,28 @@ impl Board<'_> {
                 spread = spread.min(self.clear(*a, *b));
             }
         }
-        Found { places, margin, limited_by, gaps, spread }
+        Found { places, margin: rating.margin, limited_by: rating.limited_by, met: rating.met, gaps, spread }
+    }
+
+    /// Whether no half-plane through the load's centre is free of robots, with some degrees to spare; two robots or fewer
+    /// never surround it and are let through on their way to more.
+    fn surround(&self, slots: &[Slot]) -> bool {
+        let centers = slots.iter().map(|slot| slot.center(self.radius, self.gap));
+        let mut bearings: Vec<f64> = centers.map(|c| c.y.atan2(c.x)).collect();
+        bearings.sort_by(f64::total_cmp);
+        let Some(first) = bearings.first().copied() else { return false };
+        let next = bearings.iter().skip(1).copied().chain([first + std::f64::consts::TAU]);
+        bearings.len() < 3 || bearings.iter().zip(next).all(|(a, b)| b - a < WIDEST)
     }
 
     fn better(&self, a: &Found, b: &Found) -> bool {
+        let able = |f: &Found| f.margin > 0.0;
+        if able(a) != able(b) {
+            return able(a);
+        }
+        if !able(a) && a.met != b.met {
+            return a.met > b.met;
+        }
         if self.caged && a.gaps != b.gaps {
             return a.gaps < b.gaps;
         }

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cohaul_planner::capacity;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::{Common, DONE, FAILED, as_object, parse, say, warnings};
+use super::{Common, DONE, FAILED, parse, say, warnings};
+use crate::capacity::{summary, table};
 use crate::files::{self, FileError};
 
 #[derive(Args)]
@@ -37,34 +37,4 @@ pub(super) fn capacity(arguments: &Capacity) -> Result<i32, FileError> {
         }
     }
     Ok(if feasible { DONE } else { FAILED })
-}
-
-/// The numbers of the team with the least margin, and those of every team.
-pub fn summary(teams: &[capacity::Capacity]) -> Map<String, Value> {
-    let worst = teams.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
-    let mut object = as_object(serde_json::to_value(worst).unwrap_or_default());
-    object.insert("feasible".to_owned(), json!(teams.iter().all(|team| team.feasible)));
-    object.insert("teams".to_owned(), serde_json::to_value(teams).unwrap_or_default());
-    object
-}
-
-/// Rows of a table for people.
-pub fn table(team: &capacity::Capacity) -> String {
-    let robots = |count: usize| format!("{count} robot{}", if count == 1 { "" } else { "s" });
-    let rows = [
-        ("feasible", if team.feasible { "yes" } else { "no" }.to_owned()),
-        ("margin", format!("{:.2} × the load of {} kg", team.margin, team.mass_kg)),
-        ("largest mass", format!("{:.2} kg", team.max_mass_kg)),
-        (
-            "steepest slope",
-            team.max_slope_deg.map_or_else(|| "not even flat ground".to_owned(), |slope| format!("{slope:.1}°")),
-        ),
-        ("smallest team", team.min_robots.map_or_else(|| "more than 12 robots".to_owned(), robots)),
-        ("why", team.explanation.clone()),
-    ];
-    let mut text = format!("team `{}`, {}", team.team, robots(team.robots));
-    for (label, value) in rows {
-        text += &format!("\n  {label:<16}{value}");
-    }
-    text
 }

@@ -1,28 +1,40 @@
 //! What a team really moves: the heaviest load that reaches its goal, found by running the mission.
 //!
 //! Whether a mission succeeds is taken to depend on the mass in one way: what is too heavy stays too heavy when it gets
-//! heavier. Near the limit seeds disagree, so a majority of them decides.
+//! heavier. Near the limit seeds disagree, so a majority of them decides. A load that outruns its robots was not moved by
+//! them, even if it slid to where its goal happened to be.
 
+use std::cell::Cell;
+
+use cohaul_core::control::{Decision, Observation};
+use cohaul_core::id::{LoadId, RobotId};
 use cohaul_core::scenario::document::Scenario;
+use cohaul_core::time::Time;
 
-use crate::episode::{self, NoRecorder};
+use crate::episode::{self, Recorder};
 use crate::error::SimError;
+use crate::world::World;
 
 /// Where to look for the limit, and how closely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bracket {
-    /// A mass that is tried first and given back as 0 if it does not arrive, kg.
+    /// The lightest load tried, kg: if it does not arrive, the answer is 0.
     pub low: f64,
-    /// The largest mass of interest, kg.
+    /// The heaviest load tried, kg: if it arrives, it is the answer.
     pub high: f64,
-    /// Largest ratio, less 1, of the two masses between which the limit is left.
+    /// Ratio, less 1, of the two masses between which the limit is left.
     pub resolution: f64,
 }
 
-/// The heaviest load, kg, with which most of `seeds` reach the goal: the mass of load `load` is bisected geometrically
-/// within `bracket`. 0 if not even the lightest arrives, `bracket.high` if the heaviest does.
+/// Speed of a load over that of its robots at their fastest from which on it outruns them.
+const OUTRUN: f64 = 1.25;
+/// Looks on end, 20 per second, at which it is faster: what lasts less is a push across the gap to the next robot.
+const LOOKS: u32 = 20;
+
+/// The heaviest load, kg, with which most of `seeds` reach their goals: the mass of load `load` (from 0) is bisected
+/// geometrically within `bracket`.
 ///
-/// `scenario` is resolved: nothing left to draw, no slots left to choose.
+/// `scenario` is drawn, with nothing left open.
 ///
 /// # Errors
 /// A scenario that cannot be run.
@@ -52,11 +64,15 @@ fn majority(scenario: &Scenario, load: usize, mass: f64, seeds: &[u64]) -> Resul
     if let Some(load) = scenario.loads.get_mut(load) {
         load.mass = mass;
     }
+    let fastest = scenario.teams.iter().map(|team| team.robots.model().limits.linear).fold(0.0, f64::max);
     let needed = seeds.len() / 2 + 1;
     let (mut reached, mut failed) = (0, 0);
     for seed in seeds {
         scenario.seed = *seed;
-        if episode::run(&scenario, &mut NoRecorder, &mut |_, _| false)?.success {
+        let outran = Cell::new(false);
+        let mut watch = Watch { load: LoadId(load as u16), limit: OUTRUN * fastest, fast: 0, outran: &outran };
+        let outcome = episode::run(&scenario, &mut watch, &mut |_, _| outran.get())?;
+        if outcome.success && !outran.get() {
             reached += 1;
         } else {
             failed += 1;
@@ -66,4 +82,32 @@ fn majority(scenario: &Scenario, load: usize, mass: f64, seeds: &[u64]) -> Resul
         }
     }
     Ok(reached >= needed)
+}
+
+/// Notices a load that outruns its robots.
+struct Watch<'a> {
+    load: LoadId,
+    /// m/s.
+    limit: f64,
+    /// Looks on end at which it was faster.
+    fast: u32,
+    outran: &'a Cell<bool>,
+}
+
+impl Recorder for Watch<'_> {
+    fn memory(&mut self, _: Time, _: RobotId, _: &str) -> Result<(), SimError> {
+        Ok(())
+    }
+
+    fn decision(&mut self, _: &Observation, _: &Decision) -> Result<(), SimError> {
+        Ok(())
+    }
+
+    fn state(&mut self, world: &dyn World, _: &[Decision]) -> Result<(), SimError> {
+        self.fast = if world.load_twist(self.load).linear.norm() > self.limit { self.fast + 1 } else { 0 };
+        if self.fast >= LOOKS {
+            self.outran.set(true);
+        }
+        Ok(())
+    }
 }
