@@ -2,7 +2,7 @@
 //!
 //! # Source
 //! [R2P2] §I asks whether the robots' traction suffices and leaves it to trial. Here the mission is gone through without
-//! inertia ([`rollout`]) for one mass after the other: a load that gets stuck, cannot be held or goes astray is too heavy.
+//! inertia (`capacity/rollout.rs`) for one mass after the other: a load that gets stuck, cannot be held or goes astray is too heavy.
 //!
 //! # Deviations
 //! - Collisions between robots, repositioning and noise are not in it. Against masses bisected in the simulator it is within
