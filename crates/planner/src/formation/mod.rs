@@ -2,7 +2,7 @@
 //!
 //! # Source
 //! [R2P2] §IV wants places that give large moments (eq. 2), away from the corners, that cage the load (eq. 1e). Here they are
-//! searched ([`search`]) for the largest margin ([`grip`]).
+//! searched (`search.rs`) for the largest margin (`grip.rs`).
 //!
 //! # Deviations
 //! - A formation that does not cage the load loses half of its worth per way out. Where the scenario requires caging, or
@@ -196,11 +196,11 @@ fn choose_for(scenario: &Scenario, index: usize) -> Result<Chosen, FormationPlan
         gap: formation.gap,
     };
     let grip = Grip::new(conditions, DIRECTIONS);
-    let found = board.search(&grip, robots).filter(|found| found.margin > 0.0);
-    let Some(found) = found else {
-        let demand = board.search(&grip, robots).map_or(Demand::Hold, |found| found.limited_by);
-        return Err(FormationPlanError::Powerless { team: team.id.clone(), robots, demand });
-    };
+    let powerless = |demand| FormationPlanError::Powerless { team: team.id.clone(), robots, demand };
+    let found = board.search(&grip, robots).ok_or_else(|| powerless(Demand::Hold))?;
+    if found.margin <= 0.0 {
+        return Err(powerless(found.limited_by));
+    }
     let slots = found.places.iter().map(|p| board.slot(*p)).collect();
     let gaps = Formation::around(slots, formation.gap, model.radius).caging_gaps(&load);
     let caging = match (formation.caging, gaps.first()) {

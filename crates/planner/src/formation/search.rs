@@ -5,8 +5,8 @@
 //! [R2P2] §IV, eq. 1e.
 //!
 //! # Deviations
-//! A local optimum of the places tried. They are few (a quarter of a robot apart along the edges), every robot is tried in each
-//! of them, and the search starts from several formations, always in the same order.
+//! A local optimum of the places tried. They are few (half a robot apart along the edges, then once finer), every robot is tried
+//! in each of them, and the search starts from several formations, always in the same order.
 //!
 //! [R2P2]: cohaul_core::_documentation::references
 
