@@ -38,12 +38,12 @@ impl Draws {
 }
 
 /// A metre in some direction, up or down some slope: mass, friction, slope, bearing, team and ballast drawn. Four robots stand
-/// on two sides of the load only; they get slopes of at most a fifth of the load's friction: beyond that the load drifts
+/// on two sides of the load only; they get slopes of at most a third of the load's friction: beyond that the load drifts
 /// towards the open sides, and how far is a matter of luck.
 fn combination(draws: &mut Draws) -> Vec<String> {
     let friction = draws.between(0.05, 0.2);
     let four = draws.next() < 0.5;
-    let steepest = if four { (friction / 5.0).atan().to_degrees() } else { 6.0 };
+    let steepest = if four { (friction / 3.0).atan().to_degrees() } else { 6.0 };
     let slope = draws.between(-steepest, steepest);
     let bearing = draws.between(0.0, 60.0).to_radians();
     let mass = draws.between(1.0, 10.0);
@@ -52,7 +52,7 @@ fn combination(draws: &mut Draws) -> Vec<String> {
         format!("terrain.friction.dynamic={friction}"),
         format!("terrain.slope_deg={slope}"),
         format!("loads.0.mass={mass}"),
-        format!("teams.0.mission={{goal: {{x: {x}, y: {y}}}, tolerance: 0.2, time_limit: 300}}"),
+        format!("teams.0.mission={{goal: {{x: {x}, y: {y}}}, tolerance: 0.1, time_limit: 300}}"),
     ];
     if four {
         changes.push("teams.0.robots.count=4".to_owned());
@@ -85,7 +85,7 @@ fn twelve(seed: u64) -> Vec<(Vec<String>, f64, f64)> {
 /// The prediction was worked out on draws of other seeds; these it has not seen.
 #[test]
 fn predictions_agree_with_bisected_missions_within_ten_per_cent() {
-    let rows = twelve(78);
+    let rows = twelve(101);
     let deviation = |predicted: f64, simulated: f64| predicted / simulated - 1.0;
     for (changes, predicted, simulated) in &rows {
         let percent = 100.0 * deviation(*predicted, *simulated);
@@ -157,7 +157,7 @@ fn a_load_that_slides_out_at_the_open_sides_cannot_be_moved() {
 fn a_team_that_lost_a_robot_forms_anew_and_arrives() {
     let six = flat(&[
         "terrain.friction.dynamic=0.1",
-        "teams.0.mission={goal: {x: 0.7, y: 0.7}, tolerance: 0.2, time_limit: 300}",
+        "teams.0.mission={goal: {x: 0.7, y: 0.7}, tolerance: 0.1, time_limit: 300}",
     ]);
     let five = reform(&six, 0, &[2]).unwrap();
     assert_eq!(five.teams[0].robots.count, 5);

@@ -45,7 +45,7 @@ use crate::transport::role::{self, Role, RoleTolerances};
 pub use parameters::Parameters;
 
 /// Lever arm below which a robot turns the load not at all, and ε of the rule |w_i| > L/2 + ε, m.
-const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
+pub const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
 /// Feedback of a heading error while working, 1/s.
 const HEADING_GAIN: f64 = 1.0;
 /// The same where the robot has to turn to its arc, 1/s.

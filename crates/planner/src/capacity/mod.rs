@@ -7,10 +7,10 @@
 //!
 //! # Deviations
 //! - Collisions between robots, repositioning and noise are not in it. Against masses bisected in the simulator (to 3 %) it is
-//!   within that on flat ground and mostly within 5 % on slopes up to 6°. Of 108 draws with a tolerance of 0.2 m at the goal two
-//!   are more than 10 % off, 12 % at most, on slopes where gravity nearly balances friction or the load slides by itself.
-//!   With 0.1 m it is up to 15 %: the nearer the goal, the more a few centimetres of drift turn its bearing.
-//! - With open sides (four robots at a rectangle) it holds up to slopes of a fifth of the load's friction. Beyond that the load
+//!   within that on flat ground and mostly within 5 % on slopes up to 6°. Of 108 draws (`tests/it/capacity.rs`) two are more
+//!   than 10 % off, 15 % at most, on slopes where gravity nearly balances friction or the load slides by itself: a few
+//!   centimetres of drift near the goal turn its bearing.
+//! - With open sides (four robots at a rectangle) it holds up to slopes of a third of the load's friction. Beyond that the load
 //!   drifts out, the mission is a matter of luck, and no limit is sharp.
 //! - Obstacles and walls are not looked at.
 //!
@@ -22,9 +22,10 @@ mod rollout;
 use std::fmt;
 
 use cohaul_core::contact::slope::Slope;
+use cohaul_core::control::guidance::Guidance;
 use cohaul_core::control::r2p2::Parameters;
 use cohaul_core::scenario::Problem;
-use cohaul_core::scenario::document::{Controller, Scenario, Slots};
+use cohaul_core::scenario::document::{Controller, Drive, Scenario, Slots};
 use nalgebra::Vector2;
 use serde::Serialize;
 
@@ -220,8 +221,15 @@ fn task(scenario: &Scenario, team: usize) -> Result<Task, CapacityError> {
         friction_static: friction.breakaway.unwrap_or(friction.dynamic),
         friction_wheel: friction.wheel,
         world_from_load: instance.start_pose_of_load(index),
-        points: spec.mission.points().map(|p| Vector2::new(p.x, p.y)).collect(),
-        tolerance: spec.mission.tolerance,
+        guidance: Guidance {
+            waypoints: spec.mission.points().map(|p| Vector2::new(p.x, p.y)).collect(),
+            tolerance: spec.mission.tolerance,
+            goal_yaw: spec.mission.goal_yaw(),
+            threshold: parameters.heading_threshold,
+            release: parameters.heading_release,
+            wrap: parameters.wrap,
+            either_way: parameters.drive == Drive::Nearest,
+        },
         time_limit: spec.mission.time_limit,
         parameters,
     })

@@ -14,13 +14,14 @@
 
 use cohaul_core::contact::limit_surface::LimitSurface;
 use cohaul_core::contact::slope::Slope;
-use cohaul_core::control::r2p2::{Parameters, prevent_speed, push_speed};
+use cohaul_core::control::guidance::{self, Guidance, Progress};
+use cohaul_core::control::r2p2::{Parameters, TOLERANCES, prevent_speed, push_speed};
 use cohaul_core::robot::RobotModel;
 use cohaul_core::scenario::document::{Prevent, Stance};
-use cohaul_core::se2::{Pose2, Twist2, exp, perpendicular, position, unit, wrap_angle, yaw};
+use cohaul_core::se2::{Pose2, Twist2, exp, perpendicular, yaw};
 use cohaul_core::transport::formation::{Formation, Slot};
-use cohaul_core::transport::primitive::{self, Primitive};
-use cohaul_core::transport::role::{self, Role, RoleTolerances};
+use cohaul_core::transport::primitive::Primitive;
+use cohaul_core::transport::role::{self, Role};
 use nalgebra::Vector2;
 
 use super::quasistatic::{Contact, Ground, Motion, motion};
@@ -48,10 +49,8 @@ pub(crate) struct Task {
     pub friction_wheel: f64,
     /// Where the load starts.
     pub world_from_load: Pose2,
-    /// Waypoints, the goal last, world frame, m.
-    pub points: Vec<Vector2<f64>>,
-    /// Distance at which one counts as reached, m.
-    pub tolerance: f64,
+    /// Where the load has to go.
+    pub guidance: Guidance,
     /// s.
     pub time_limit: f64,
     pub parameters: Parameters,
@@ -91,8 +90,6 @@ const LONGEST: f64 = 1.0;
 const STEPS: usize = 3000;
 /// A load that recedes from its waypoint by more than this is lost, m.
 const RECEDED: f64 = 1.0;
-/// Tolerances of the role rules, those of the controller.
-const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
 /// Speed at which a supporting robot lets a load come that leans on it, m/s: it stands a gap away from the load.
 const SETTLE: f64 = 1e-3;
 /// Speed by which a preventing robot in contact gives way faster than the pace, m/s.
@@ -101,30 +98,22 @@ const YIELD: f64 = 0.01;
 /// Moves a load of `mass` kg over `slope` from the start to the goal.
 pub(crate) fn roll(task: &Task, mass: f64, slope: &Slope) -> Result<(), Failure> {
     let mut pose = task.world_from_load;
+    let mut progress = Progress::default();
     let mut leg = 0;
     let mut started = f64::INFINITY;
-    let mut previous = None;
     let mut twist = Twist2::ZERO;
     let mut forces = vec![0.0; task.formation.slots().len()];
     let mut time = 0.0;
     let (slides, mut held) = (slope.slides(task.friction_static), f64::INFINITY);
     for _ in 0..STEPS {
-        let center = position(&pose);
-        while leg < task.points.len() && (task.points[leg] - center).norm() < task.tolerance {
-            leg += 1;
-            started = f64::INFINITY;
-        }
-        let Some(target) = task.points.get(leg) else { return Ok(()) };
-        let distance = (target - center).norm();
-        if started.is_infinite() {
+        let Some(next) = task.guidance.next(&mut progress, &pose) else { return Ok(()) };
+        let distance = next.distance;
+        if usize::from(progress.waypoint) > leg || started.is_infinite() {
+            leg = usize::from(progress.waypoint);
             started = distance;
         }
-        let bearing = primitive::bearing(&center, target);
-        let p = &task.parameters;
-        let error = wrap_angle(bearing - yaw(&pose));
-        let chosen = primitive::choose(error, previous, p.heading_threshold, p.heading_release);
-        previous = Some(chosen);
-        let step = Step { task, slope, heading: yaw(&pose), primitive: chosen, error, distance, twist };
+        let chosen = next.primitive;
+        let step = Step { task, slope, heading: yaw(&pose), next, twist };
         let fail = |cause, demand, motion: Option<&Motion>| Failure {
             cause,
             demand,
@@ -157,7 +146,7 @@ pub(crate) fn roll(task: &Task, mass: f64, slope: &Slope) -> Result<(), Failure>
         forces = moved.forces;
         pose *= exp(&Twist2 { linear: twist.linear * dt, angular: twist.angular * dt });
     }
-    let demand = Demand::Move(previous.unwrap_or(Primitive::Translate));
+    let demand = Demand::Move(progress.primitive.unwrap_or(Primitive::Translate));
     Err(Failure { cause: Cause::Astray, demand, leg, at_limit: Vec::new() })
 }
 
@@ -172,11 +161,8 @@ struct Step<'a> {
     slope: &'a Slope,
     /// Of the load, rad.
     heading: f64,
-    primitive: Primitive,
-    /// Of the heading, rad.
-    error: f64,
-    /// To the waypoint, m.
-    distance: f64,
+    /// What the load shall do.
+    next: guidance::Motion,
     /// Of the load a step before, in its own frame.
     twist: Twist2,
 }
@@ -233,9 +219,10 @@ impl Step<'_> {
         let p = &self.task.parameters;
         let center = slot.center(self.task.formation.radius(), self.task.formation.gap());
         let lever = center.norm();
-        let direction = unit(self.error);
-        let role = role::assign(self.primitive, &center, &slot.facing, &direction, self.task.half_length, &TOLERANCES);
-        let path = match self.primitive {
+        let next = &self.next;
+        let half_length = self.task.half_length;
+        let role = role::assign(next.primitive, &center, &slot.facing, &next.direction, half_length, &TOLERANCES);
+        let path = match next.primitive {
             Primitive::Translate => Vector2::x(),
             Primitive::Rotate(turn) => turn.sign() * perpendicular(&center) / lever,
         };
@@ -244,15 +231,15 @@ impl Step<'_> {
             (Stance::Arc, true) => -path,
             (Stance::Arc, false) => path,
         };
-        let pace = match self.primitive {
-            Primitive::Translate => push_speed(self.distance, p.translation_gain, p.speed_min, p.speed_max),
+        let pace = match next.primitive {
+            Primitive::Translate => push_speed(next.distance, p.translation_gain, p.speed_min, p.speed_max),
             Primitive::Rotate(_) => {
                 let follows = match p.stance {
                     Stance::Arc => (lever / self.task.formation.outermost()).min(1.0),
                     Stance::Square => 1.0,
                 };
                 let fastest = (p.speed_max * follows).max(p.speed_min);
-                push_speed(self.error.abs(), p.rotation_gain, p.speed_min, fastest)
+                push_speed(next.heading_error.abs(), p.rotation_gain, p.speed_min, fastest)
             }
         };
         let velocity = match role {
