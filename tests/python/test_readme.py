@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cohaul
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,6 +31,17 @@ def test_the_two_commands_are_make_demo_and_make_test() -> None:
     unmarked = [text.strip() for name, marked, text in BLOCKS if name == "sh" and not marked]
     assert unmarked == ["make demo", "make test"]
     assert set(re.findall(r"\bmake \w+", README)) == {"make demo", "make test"}
+
+
+def test_numbers_come_from_the_report_that_the_command_wrote() -> None:
+    report = (ROOT / "scenarios/r2p2/RESULTS.md").read_text(encoding="utf-8")
+    summary = report.split("## Summary")[1].split("\n## ")[0].strip()
+    assert README.split("<!-- results -->")[1].split("<!-- end of results -->")[0].strip() == summary
+    rows = {row[0]: row for row in (re.split(r"\s*\|\s*", line.strip("| ")) for line in summary.splitlines()[2:])}
+    for name in cohaul.experiments():
+        # each with the command that wrote it, on the seeds of the report
+        command = re.search(rf"`cohaul reproduce {name} --world planar --trials (\d+) --seed 9001`", report)
+        assert command and rows[name][2] == command[1]
 
 
 def test_ci_runs_the_command_of_the_readme() -> None:
