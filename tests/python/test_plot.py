@@ -192,7 +192,7 @@ def test_main_effects_are_means_of_what_was_reached(trials, tmp_path):
         drawn = line(ax, "gain")
         assert_array_equal(drawn.get_xdata(), [1, 2, 3])
         assert_allclose(drawn.get_ydata(), means)
-        assert drawn.get_label() == f"gain: Δ {max(means) - min(means):.0f} s"
+        assert drawn.get_label() == f"gain: Δ {max(means) - min(means):.3g} s"
         assert_allclose(line(ax, "mean").get_ydata(), seconds.mean())
     trials.to_parquet(tmp_path / "trials.parquet")
     for source in (tmp_path, tmp_path / "trials.parquet"):

@@ -82,7 +82,7 @@ def main_effects(
             ax.text(0.5, 0.5, "none reached its goal", transform=ax.transAxes, ha="center", color=COLORS["muted"])
             continue
         seconds = reached["time_s"] + (reached["penalty_s"] if "penalty_s" in reached.columns else 0.0)
-        ax.axhline(seconds.mean(), color=COLORS["muted"], ls="--", lw=1.2, label=f"mean {seconds.mean():.0f} s")
+        ax.axhline(seconds.mean(), color=COLORS["muted"], ls="--", lw=1.2, label=f"mean {seconds.mean():.3g} s")
         # a level keeps its place where all of its trials failed
         most = 1
         for number, (factor, name) in enumerate(names.items()):
@@ -95,7 +95,7 @@ def main_effects(
                 color=SERIES[number % len(SERIES)],
                 ls=DASHES[number % len(DASHES)],
                 marker=MARKERS[number % len(MARKERS)],
-                label=f"{name}: Δ {means.max() - means.min():.0f} s",
+                label=f"{name}: Δ {means.max() - means.min():.3g} s",
             )
         ax.set(xlabel="level", xticks=range(1, most + 1))
         ax.margins(x=0.12)
