@@ -142,3 +142,19 @@ fn loads_of_any_shape_reach_their_goals() {
         assert!(outcome.success, "{name} {seed}: {outcome:?}");
     });
 }
+
+/// A slanted edge holds the load sideways on a slope, although its robot gives way ahead: such teams once counted as powerless.
+#[test]
+fn loads_of_any_shape_reach_their_goals_on_slopes() {
+    let shapes = ["triangle", "hexagon", "trapezoid"];
+    let runs: Vec<_> = shapes.iter().flat_map(|name| [-5, 5].map(|slope| (name, slope))).collect();
+    runs.into_par_iter().for_each(|(name, slope)| {
+        let changes = [format!("terrain.slope_deg={slope}"), "teams.0.mission.time_limit=600".to_owned()];
+        let scenario = scenario(&format!("formation/{name}.yaml"), &changes.each_ref().map(String::as_str));
+        let resolved = resolve(&scenario).unwrap();
+        for seed in 1..=2 {
+            let outcome = run(&Scenario { seed, ..resolved.clone() }, &mut NoRecorder, &mut |_, _| false).unwrap();
+            assert!(outcome.success, "{name} {slope} {seed}: {outcome:?}");
+        }
+    });
+}

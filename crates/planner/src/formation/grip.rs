@@ -13,8 +13,8 @@
 //! # Deviations
 //! - A mix of friction wrenches stands for the surface between them, which bulges outwards: the surface is underrated by a few
 //!   per cent.
-//! - A rotation may have its pivot anywhere within 15 % of the load's radius (within a third it counts less), and a translation may drift by a tenth: the
-//!   controller corrects both.
+//! - A rotation may have its pivot anywhere within 15 % of the load's radius (within a third it counts less), and a translation
+//!   may drift by a tenth: the controller corrects both.
 //!
 //! [Boyd2007]: cohaul_core::_documentation::references
 //! [Trinkle1992]: cohaul_core::_documentation::references
@@ -181,8 +181,12 @@ impl Grip {
         let friction = c.friction * c.slope.normal;
         match role::assign(primitive, &center, &slot.facing, &Vector2::x(), c.half_length, &TOLERANCES) {
             Role::Push => Some(c.contact_friction),
-            // gives way, so that it is felt only where the load would slide by itself
-            Role::Prevent if primitive == Primitive::Translate => (gravity.x > friction).then_some(0.0),
+            // gives way, so that it is felt only where the load would slide by itself: ahead if it is steep enough, sideways
+            // on any slope, because friction on the ground opposes the motion and nothing else
+            Role::Prevent if primitive == Primitive::Translate => {
+                let leans = -gravity.y * slot.facing.y > 1e-9;
+                (gravity.x > friction || leans).then_some(0.0)
+            }
             Role::Prevent => (gravity.norm() > friction).then_some(0.0),
             // follows, and a slope may lean the load on it
             Role::Support => (gravity.norm() > 0.0).then_some(0.0),
