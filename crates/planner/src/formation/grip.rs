@@ -25,11 +25,12 @@ use std::fmt;
 
 use cohaul_core::contact::limit_surface::LimitSurface;
 use cohaul_core::contact::slope::Slope;
+use cohaul_core::control::r2p2::TOLERANCES;
 use cohaul_core::robot::RobotModel;
 use cohaul_core::se2::{Twist2, cross, perpendicular, unit};
 use cohaul_core::transport::formation::Slot;
 use cohaul_core::transport::primitive::{Primitive, Turn};
-use cohaul_core::transport::role::{self, Role, RoleTolerances};
+use cohaul_core::transport::role::{self, Role};
 use nalgebra::{Vector2, Vector3};
 
 use crate::conic::{Affine, Program};
@@ -94,8 +95,6 @@ const PIVOTS: [f64; 3] = [0.15, 1.0 / 3.0, 1.0];
 const WORTH: [f64; 3] = [1.0, 0.3, 0.0];
 /// Largest factor of interest.
 const CAP: f64 = 1e3;
-/// Tolerances of the role rules, those of the controller.
-const TOLERANCES: RoleTolerances = RoleTolerances { side: 0.02, torque: 0.05 };
 
 /// How much a team can do.
 #[derive(Clone, Copy, Debug)]
