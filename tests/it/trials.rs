@@ -127,7 +127,11 @@ fn a_resumed_store_gives_the_same_bytes() {
     text.extend_from_slice(br#"{"key":{"terrain":"flat","mass_kg":2.0},"seed":2,"valu"#);
     fs::write(&lines, &text).unwrap();
 
-    let later = Header { seed: 99, revision: "another".into(), ..header() };
+    // a report would tell trials of another program as those of this one
+    let other = Header { revision: "another".into(), ..header() };
+    assert!(Store::open(&resumed, &other).err().unwrap().to_string().contains("another revision"));
+
+    let later = Header { seed: 99, ..header() };
     let store = Store::open(&resumed, &later).unwrap();
     assert_eq!(fs::read(&lines).unwrap().len(), end);
     assert_eq!(store.begun_by(), &header());

@@ -51,6 +51,9 @@ impl Header {
         let compared = [
             ("experiment", &self.experiment, &other.experiment),
             ("world", &self.world, &other.world),
+            // the report names one program; trials of another would pass for its own
+            ("version", &self.version, &other.version),
+            ("revision", &self.revision, &other.revision),
             ("set of scenarios, with the fingerprint", &self.fingerprint, &other.fingerprint),
         ];
         match compared.into_iter().find(|(_, there, here)| there != here) {

@@ -77,7 +77,7 @@ impl Store {
         &self.folder
     }
 
-    /// The header that the store began with; version, revision and base seed may differ from those of today.
+    /// The header that the store began with; the base seed may differ from that of today.
     pub const fn begun_by(&self) -> &Header {
         &self.begun_by
     }
