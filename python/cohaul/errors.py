@@ -7,9 +7,12 @@ __all__ = [
     "CompareError",
     "ContactError",
     "ControlError",
+    "ExperimentError",
     "FileError",
     "MissingFileError",
     "MissingPackageError",
+    "PlanError",
+    "PlotError",
     "RecordError",
     "ScenarioError",
     "ScenarioWarning",
@@ -78,8 +81,14 @@ class ControlError(CohaulError, ValueError):
     """A controller refuses its parameters, or a log's memory does not fit it."""
 
 
+class PlotError(CohaulError, ValueError):
+    """A figure cannot be drawn of these results."""
+
+
 class ExperimentError(CohaulError, ValueError):
     """There is no such experiment, or its folder holds trials of another one."""
+
+
 class PlanError(CohaulError, ValueError):
     """Slots that cannot be chosen, or a team that cannot form anew."""
 

@@ -125,7 +125,7 @@ class Outcome:
     """Distance of the load's centre from its goal at the last step, m."""
     final_yaw_error_rad: float
     """Heading that the goal asks for, or else the bearing from the last waypoint to the goal, minus the load's heading at the
-    last step, absolute, rad."""
+    last step, absolute, rad: about π for a load that drove backwards."""
     waypoints_reached: int
     """Waypoints passed, goals included."""
     repositions: int

@@ -179,3 +179,19 @@ fn a_team_that_lost_too_much_says_what_it_cannot_do() {
     );
     assert_eq!(reform(&light, 0, &[6]).unwrap_err().to_string(), "team `team` has no robot 7: it has 6");
 }
+
+/// Steps of 5 cm and 3° once jumped over goals narrower than that, and the mission counted as going astray.
+#[test]
+fn narrow_goals_are_found() {
+    for goal in [
+        "teams.0.mission={goal: {x: 0.8, y: 0.3}, tolerance: 0.01}",
+        "teams.0.mission={goal: {x: 0.8, y: 0.3}, goal_yaw_deg: 90, yaw_tolerance_deg: 1}",
+        "teams.0.mission={goal: {x: 200, y: 0}}",
+    ] {
+        let capacity = &assess(&flat(&[goal])).unwrap()[0];
+        assert!(capacity.feasible && capacity.max_mass_kg > 50.0, "{goal}: {capacity:?}");
+    }
+    let hurried = flat(&["teams.0.mission={goal: {x: 10, y: 0}, time_limit: 20}"]);
+    let capacity = &assess(&hurried).unwrap()[0];
+    assert!(!capacity.feasible && capacity.explanation.contains("time allowed"), "{capacity:?}");
+}

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use cohaul_sim::experiment::runner::{self, Request};
 use cohaul_sim::experiment::store::{self, Store};
+use cohaul_sim::experiment::summary::summarise;
 use cohaul_sim::experiment::trials::Trial;
+use cohaul_sim::experiment::verdict::Verdict;
 use cohaul_sim::experiment::{ALL, Results, find, report};
 
 /// A folder of its own for each test.
@@ -183,4 +185,48 @@ fn reports_hold_verdicts_and_the_papers_numbers() {
         assert!(!cell[name].is_null(), "{name} is missing in {cell}");
     }
     assert_eq!(cell["paper"]["time_s"], 77.7);
+}
+
+/// Trials of Table I, five per cell, whose times are made up.
+fn made_up(time: impl Fn(&str, f64, f64) -> f64) -> Vec<Verdict> {
+    let experiment = find("r2p2-generalize").unwrap();
+    let mut trials = Vec::new();
+    for cell in runner::cells(experiment, &request("planar", 1, 1, 1)).unwrap() {
+        let level = |factor: &str| cell.key.level(factor).unwrap().to_string();
+        let number = |factor: &str| level(factor).parse::<f64>().unwrap();
+        for seed in 1..=5 {
+            let mut trial = Trial::new(experiment.name(), "planar", cell.key.clone(), seed);
+            trial.push("success", true);
+            let scatter = 0.1 * (seed as f64 - 3.0);
+            trial.push("time_s", time(&level("terrain"), number("mass_kg"), number("mu")) + scatter);
+            trials.push(trial);
+        }
+    }
+    let results = Results {
+        name: "r2p2-generalize",
+        world: "planar".to_owned(),
+        seed: 1,
+        requested: 5,
+        changes: Vec::new(),
+        complete: true,
+        cells: summarise(&trials),
+        trials,
+    };
+    experiment.verdicts(&results)
+}
+
+/// A drop at the last level alone once passed for no trend.
+#[test]
+fn verdicts_see_trends_that_are_there_and_none_that_are_not() {
+    let as_in_the_paper = made_up(|terrain, mass, _| match terrain {
+        "flat" => 80.0 + 10.0 * mass,
+        "downhill" => 75.0,
+        _ => 240.0 + 10.0 * mass,
+    });
+    assert!(as_in_the_paper.iter().all(|v| v.agrees == Some(true)), "{as_in_the_paper:#?}");
+    let otherwise = made_up(|terrain, mass, mu| {
+        let drop = if mu > 0.05 { 6.0 } else { 0.0 };
+        if terrain == "downhill" { 21.0 + mass - drop } else { 14.0 - drop }
+    });
+    assert!(otherwise.iter().all(|v| v.agrees == Some(false)), "{otherwise:#?}");
 }

@@ -2,6 +2,7 @@
 
 import json
 import math
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,10 @@ from typing import Any
 
 import pytest
 from example_log import ROOT
+
+
+# a shell that starts the tests in the background has them ignore Ctrl-C, and what they start too
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def command(*arguments: str | Path) -> list[str]:

@@ -324,3 +324,13 @@ for draw in (cohaul.plot.flowchart, lambda: cohaul.plot.success_curves({str(tmp_
 def test_import_loads_no_figures():
     code = "import sys, cohaul; assert not {'cohaul.plot', 'matplotlib', 'pandas'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_trials_are_selected_by_their_values(trials):
+    doubled = pd.concat([trials.assign(kind="one"), trials.assign(kind="other", time_s=0.0)])
+    selected = cohaul.plot.main_effects(doubled, factors=["a"], where={"kind": "one"})
+    whole = cohaul.plot.main_effects(trials, factors=["a"])
+    for ours, theirs in zip(selected.axes, whole.axes, strict=True):
+        assert_allclose(ours.lines[-1].get_ydata(), theirs.lines[-1].get_ydata())
+    with pytest.raises(cohaul.PlotError, match="no column nothing"):
+        cohaul.plot.main_effects(trials, factors=["a"], where={"nothing": 1})

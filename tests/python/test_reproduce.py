@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -87,3 +88,22 @@ def test_python_runs_the_same_experiments(tmp_path: Path) -> None:
         cohaul.reproduce("r2p2-tight", trials=1, out=tmp_path)
     with pytest.raises(cohaul.ScenarioError, match="world"):
         cohaul.reproduce("r2p2-tight", trials=1, out=tmp_path, world="flat")
+
+
+def test_ctrl_c_in_python_is_a_keyboard_interrupt(tmp_path: Path) -> None:
+    """The runner asks again and again whether it was interrupted, and once forgot that it had been."""
+    program = f"import cohaul; cohaul.reproduce('r2p2-generalize', trials=400, jobs=1, out={str(tmp_path)!r})"
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+    lines = tmp_path / "r2p2-generalize-planar" / "trials.jsonl"
+    while not (lines.exists() and lines.read_bytes().count(b"\n") > 20):
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, complaint = process.communicate(timeout=60)
+    assert process.returncode != 0 and "KeyboardInterrupt" in complaint
+
+
+def test_the_report_tells_what_was_set(tmp_path: Path) -> None:
+    found = cohaul.reproduce("r2p2-hardware", trials=1, out=tmp_path, set={"loads.0.mass": 1.3})
+    assert "--set 'loads.0.mass=1.3'" in (found["folder"] / "report.md").read_text()
+    assert found["set"] == ["loads.0.mass=1.3"]

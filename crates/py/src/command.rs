@@ -23,7 +23,10 @@ pub struct Signals {
 impl Signals {
     /// Runs the handlers of signals that came in; whether one of them raised. Only Python's main thread ever does.
     pub fn are_raised(&mut self) -> bool {
-        self.raised = check_signals().err();
+        // the first one counts: whoever asks again must not lose it
+        if self.raised.is_none() {
+            self.raised = check_signals().err();
+        }
         self.raised.is_some()
     }
 

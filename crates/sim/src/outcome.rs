@@ -45,7 +45,7 @@ pub struct Outcome {
     /// Distance of the load's centre from its goal at the last step, m.
     pub final_error_m: f64,
     /// Heading that the goal asks for, or else the bearing from the last waypoint to the goal, minus the load's heading at the
-    /// last step, absolute, rad.
+    /// last step, absolute, rad: about π for a load that drove backwards.
     pub final_yaw_error_rad: f64,
     /// Waypoints passed, goals included.
     pub waypoints_reached: usize,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cohaul.errors import PlotError
 from cohaul import _cohaul
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces
 from cohaul.plot._style import COLORS, figure_of, finished, load, new_figure, tidy
@@ -191,7 +192,7 @@ def _first_rotation(primitive: NDArray[int8], time: NDArray[float64]) -> tuple[f
     """When the first rotation begins and ends, s."""
     turning = np.isin(primitive, (Primitive.ROTATE_COUNTERCLOCKWISE, Primitive.ROTATE_CLOCKWISE))
     if not turning.any():
-        raise ValueError(f"the load is never rotated within {time[-1]:.1f} s; give the interval as `span`")
+        raise PlotError(f"the load is never rotated within {time[-1]:.1f} s; give the interval as `span`")
     first = int(np.argmax(turning))
     over = np.flatnonzero(~turning[first:])
     last = first + int(over[0]) - 1 if over.size else len(time) - 1
@@ -223,7 +224,7 @@ def rotation_traces(
     begin, end = span or _first_rotation(traces.primitive[:, team], traces.time)
     inside = (traces.time >= begin) & (traces.time <= end)
     if inside.sum() < 2:
-        raise ValueError(f"the mission, 0 to {traces.time[-1]:.1f} s, has no two instants from {begin} to {end} s")
+        raise PlotError(f"the mission, 0 to {traces.time[-1]:.1f} s, has no two instants from {begin} to {end} s")
     time = traces.time[inside]
     figure, axes = new_figure(8.0, 8.0, nrows=4, sharex=True)
     for ax in axes:

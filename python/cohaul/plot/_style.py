@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from cohaul.errors import MissingPackageError
+from cohaul.errors import MissingPackageError, PlotError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +64,7 @@ def figure_of(ax: Axes) -> Figure:
     """The figure that axes given by the caller belong to."""
     figure = ax.get_figure(root=True)
     if figure is None:
-        raise ValueError("the axes belong to no figure")
+        raise PlotError("the axes belong to no figure")
     return figure
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cohaul.errors import PlotError
 from cohaul.plot._style import COLORS, DASHES, MARKERS, SERIES, figure_of, finished, load, new_figure, tidy
 
 if TYPE_CHECKING:
@@ -32,9 +33,17 @@ def _table(trials: Any) -> Any:
 def _checked(table: Any, columns: Sequence[str]) -> None:
     missing = [name for name in columns if name not in table.columns]
     if missing:
-        raise ValueError(f"the trials have no column {', '.join(missing)}; there are {', '.join(table.columns)}")
+        raise PlotError(f"the trials have no column {', '.join(missing)}; there are {', '.join(table.columns)}")
     if len(table) == 0:
-        raise ValueError("there are no trials")
+        raise PlotError("there are no trials")
+
+
+def _selected(table: Any, where: Mapping[str, object] | None) -> Any:
+    """The trials that have these values."""
+    _checked(table, list(where or ()))
+    for name, value in (where or {}).items():
+        table = table[table[name] == value]
+    return table
 
 
 def _terrains(table: Any) -> list[str | None]:
@@ -53,6 +62,7 @@ def main_effects(
     trials: Any,
     *,
     factors: Sequence[str] | Mapping[str, str],
+    where: Mapping[str, object] | None = None,
     path: str | os.PathLike[str] | None = None,
 ) -> Figure:
     """Draw what each factor does to the task time on each terrain, as in [R2P2] Figs. 8 and 9.
@@ -65,10 +75,12 @@ def main_effects(
         Folder of results with a `trials.parquet`, such a file, or a table: whatever `pandas.DataFrame` takes.
     factors
         Columns to draw as lines; a mapping gives each a name for the legend.
+    where
+        Columns and the values that trials must have there, such as `{"reposition": "teleport"}` for `r2p2-taguchi`.
     path
         File to save the figure to, PNG or SVG by its ending.
     """
-    table = _table(trials)
+    table = _selected(_table(trials), where)
     names = dict(factors) if isinstance(factors, Mapping) else {factor: factor for factor in factors}
     _checked(table, [*names, "outcome", "time_s"])
     terrains = _terrains(table)
@@ -123,6 +135,7 @@ def success_curves(
     trials: Any,
     *,
     factor: str,
+    where: Mapping[str, object] | None = None,
     ax: Axes | None = None,
     path: str | os.PathLike[str] | None = None,
 ) -> Figure:
@@ -132,12 +145,14 @@ def success_curves(
         Folder of results with a `trials.parquet`, such a file, or a table: whatever `pandas.DataFrame` takes.
     factor
         Column of numbers to draw over.
+    where
+        Columns and the values that trials must have there, such as `{"disturbance": "noise_cm"}` for `r2p2-robustness`.
     ax
         Axes to draw into; by default a new figure.
     path
         File to save the figure to, PNG or SVG by its ending.
     """
-    table = _table(trials)
+    table = _selected(_table(trials), where)
     _checked(table, [factor, "outcome"])
     if ax is None:
         figure, ax = new_figure(6.5, 4.2)

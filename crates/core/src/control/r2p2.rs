@@ -6,7 +6,7 @@
 //! `translation_gain` (Table III tunes the reciprocals), `v_min` → `speed_min`, `v_max` of eq. 4 → `load_speed_max`.
 //!
 //! # Deviations
-//! Each has a key of its own in the scenario file; `variant: literal` switches all of them off at once.
+//! Those that change a printed law have a key of their own in the scenario file; `variant: literal` switches all of these off.
 //! - `wrap`: the yaw error is the shortest signed angle; the paper compares |θ_c| with |θ_R|.
 //! - `heading_release` < `heading_threshold`: hysteresis, so that a rotation does not stop at the edge of its tolerance.
 //! - `turn_with_load`: ω has the sense of ω_b. A robot that stays at its place of the load turns with it; the printed −ω_b

@@ -143,7 +143,7 @@ impl Vlf {
         let at = position(&observation.world_from_robot);
         let center = position(&observation.world_from_load);
         let heading = yaw(&observation.world_from_robot);
-        let old = memory.target.filter(|_| !motion.changed).map(|[x, y]| Vector2::new(x, y));
+        let old = memory.target.map(|[x, y]| Vector2::new(x, y));
         let target = match old {
             Some(target) if (target - at).norm() > self.keys.arrival => target,
             _ => turned_place(&center, &at, motion.heading_error),
@@ -197,6 +197,10 @@ impl Controller for Vlf {
         decision.distance = motion.distance;
 
         let translates = motion.primitive == Primitive::Translate;
+        if translates || motion.changed {
+            // a place of an earlier turn is no target, even if this turn begins while the robot holds
+            memory.target = None;
+        }
         let peers_hold = observation.stop_flags.any_but(self.place);
         memory.since_check += 1;
         if !memory.phase.is_repositioning() {
@@ -240,5 +244,57 @@ impl Controller for Vlf {
         decision.phase = memory.phase;
         decision.stop = memory.phase.is_repositioning();
         Ok(decision)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::StopFlags;
+    use crate::geometry::shape::ConvexPolygon;
+    use crate::id::RobotId;
+    use crate::robot::RobotModel;
+    use crate::scenario::document::Slots;
+    use crate::se2::{Twist2, pose};
+    use crate::transport::formation::Formation;
+
+    /// A turn that began while the robot held its wheels once drove to the place of the turn before.
+    #[test]
+    fn every_turn_has_places_of_its_own() {
+        let load = ConvexPolygon::rectangle(0.35, 1.35).unwrap();
+        let formation = Formation::new(&load, &Slots::Six, 6, 0.175, 0.01, 0.105).unwrap();
+        let task = Task {
+            formation: &formation,
+            place: 0,
+            half_length: 0.675,
+            waypoints: vec![Vector2::new(1.0, 0.0)],
+            tolerance: 0.1,
+            goal_yaw: None,
+            limits: RobotModel::TURTLEBOT3_BURGER.limits,
+        };
+        let follower = Vlf::new(&document::Vlf::default(), task).unwrap();
+        let mut memory = Memory::default();
+        let mut tick = |seconds: f64, heading: f64, flags: u64| {
+            let world_from_load = pose(0.0, 0.0, heading);
+            let observation = Observation {
+                time: Time::from_seconds(seconds),
+                sampled: Time::from_seconds(seconds),
+                robot: RobotId(0),
+                world_from_robot: world_from_load * formation.load_from_robot(0),
+                world_from_load,
+                load_twist_in_world: Twist2::ZERO,
+                stop_flags: StopFlags(flags),
+            };
+            follower.step(&mut memory, &observation).unwrap();
+            memory.target
+        };
+        let first = tick(0.0, 0.5, 0).unwrap();
+        assert_eq!(tick(0.1, 0.0, 0), None); // translates
+        assert_eq!(tick(0.2, -0.5, 2), None); // the second turn begins while a peer repositions itself
+        let second = tick(0.3, -0.5, 0).unwrap();
+        assert_ne!(first, second);
+        // the slot turned by the whole error lies where the slot of the aligned load is
+        let expected = position(&formation.load_from_robot(0));
+        assert!((Vector2::from(second) - expected).norm() < 1e-9, "{second:?} {expected}");
     }
 }

@@ -6,6 +6,7 @@ use super::document::{Caging, Controller, Point, R2p2, Scenario, Slots, Team};
 use super::error::{Fault, Problem};
 use super::instance::Instance;
 use super::tree::{Node, Value};
+use crate::control::r2p2::Parameters;
 use crate::geometry::query::{distance_polygon_circle, distance_polygons};
 use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::se2::{Pose2, position};
@@ -148,8 +149,11 @@ impl Rules<'_> {
             {
                 return Err(self.fault(&waypoints.clone(), Problem::EmptyWaypoints { path: waypoints }));
             }
-            if let Controller::R2p2(r2p2) = &team.controller {
-                self.r2p2(i, team, r2p2)?;
+            match &team.controller {
+                Controller::R2p2(r2p2) => self.r2p2(i, team, r2p2)?,
+                Controller::Vlf(vlf) => {
+                    self.release(&format!("teams.{i}.controller.vlf"), vlf.heading_release, vlf.heading_threshold)?;
+                }
             }
         }
         Ok(())
@@ -168,17 +172,23 @@ impl Rules<'_> {
                 "lower speed_min or raise speed_max up to what the base can do",
             );
         }
-        if let (Some(release), Some(threshold)) = (r2p2.heading_release, r2p2.heading_threshold)
-            && release > threshold
-        {
-            let reason = format!("{release} rad is more than heading_threshold {threshold}");
-            return self.contradiction(
-                format!("{keys}.heading_release"),
-                reason,
-                "a rotation ends below the error that starts it: lower heading_release",
-            );
+        if let Some(release) = r2p2.heading_release {
+            self.release(&keys, release, Parameters::new(r2p2).heading_threshold)?;
         }
         Ok(())
+    }
+
+    /// A rotation ends below the error that starts it.
+    fn release(&self, keys: &str, release: f64, threshold: f64) -> Result<(), Fault> {
+        if release <= threshold {
+            return Ok(());
+        }
+        let reason = format!("{release} rad is more than heading_threshold {threshold}");
+        self.contradiction(
+            format!("{keys}.heading_release"),
+            reason,
+            "a rotation ends below the error that starts it: lower heading_release",
+        )
     }
 
     fn formations(&self, instance: &Instance, warnings: &mut Vec<Fault>) -> Result<(), Fault> {

@@ -45,7 +45,7 @@ pub struct Capacity {
     pub margin: f64,
     /// Mass of the load, kg.
     pub mass_kg: f64,
-    /// Largest mass, kg; 0 if not even a load without weight would arrive.
+    /// Largest mass, kg; 0 if not even 10 g would arrive.
     pub max_mass_kg: f64,
     /// Steepest slope in the direction that is worst for the mission, degrees; `None` if not even flat ground will do.
     pub max_slope_deg: Option<f64>,
@@ -95,6 +95,7 @@ impl Limit {
             Cause::Stuck => "the load does not move",
             Cause::Runaway => "the load slides away",
             Cause::Astray => "the load moves, but not to where it should",
+            Cause::TooSlow => "the load moves, but not within the time allowed",
         };
         let robots_at_limit = failure.at_limit.iter().map(|place| place + 1).collect();
         Self { demand, leg: failure.leg + 1, cause, robots_at_limit }
@@ -253,10 +254,10 @@ fn largest_mass(task: &Task, slope: &Slope) -> (f64, Option<Failure>) {
     }
     while low >= high {
         // the mass given is too much already
-        low = high / STRIDE;
-        if low < lightest {
+        if high <= lightest {
             return (0.0, Some(failure));
         }
+        low = (high / STRIDE).max(lightest);
         if let Err(found) = roll(task, low, slope) {
             (high, failure) = (low, found);
         }

@@ -8,6 +8,8 @@
 //! - Robots never leave their slots, so nothing is said about the time that repositioning takes.
 //! - Supporting robots stand. Near the limit the load creeps, from one stop of the team to the next; their commands are
 //!   truncated to nothing then, and the load that leans on one of them on a slope rubs along it.
+//! - Of the controller's keys those of gaps, supporting robots and turning pushers (`gap_gain`, `support`, `push_turns`) are not
+//!   looked at: the verdict is for the recommended laws.
 //! - Between the load and the others there is no friction: it would hold the load as often as help it.
 //!
 //! [R2P2]: cohaul_core::_documentation::references
@@ -18,7 +20,7 @@ use cohaul_core::control::guidance::{self, Guidance, Progress};
 use cohaul_core::control::r2p2::{Parameters, TOLERANCES, prevent_speed, push_speed};
 use cohaul_core::robot::RobotModel;
 use cohaul_core::scenario::document::{Prevent, Stance};
-use cohaul_core::se2::{Pose2, Twist2, exp, perpendicular, yaw};
+use cohaul_core::se2::{Pose2, Twist2, exp, perpendicular, position, yaw};
 use cohaul_core::transport::formation::{Formation, Slot};
 use cohaul_core::transport::primitive::Primitive;
 use cohaul_core::transport::role::{self, Role};
@@ -65,6 +67,8 @@ pub(crate) enum Cause {
     Runaway,
     /// The load moves, but not to where it should.
     Astray,
+    /// The load moves, but not fast enough for the time allowed.
+    TooSlow,
 }
 
 /// Where a mission ended before its goal.
@@ -86,7 +90,7 @@ const STRIDE: (f64, f64) = (0.05, 0.05);
 const HOLD_AGAIN: f64 = 0.1;
 /// Longest step, s.
 const LONGEST: f64 = 1.0;
-/// Steps after which the load goes nowhere.
+/// Steps, beyond those for the way itself, after which the load goes nowhere.
 const STEPS: usize = 3000;
 /// A load that recedes from its waypoint by more than this is lost, m.
 const RECEDED: f64 = 1.0;
@@ -105,7 +109,8 @@ pub(crate) fn roll(task: &Task, mass: f64, slope: &Slope) -> Result<(), Failure>
     let mut forces = vec![0.0; task.formation.slots().len()];
     let mut time = 0.0;
     let (slides, mut held) = (slope.slides(task.friction_static), f64::INFINITY);
-    for _ in 0..STEPS {
+    let way = task.guidance.waypoints.iter().fold((0.0, position(&pose)), |(way, at), p| (way + (p - at).norm(), *p)).0;
+    for _ in 0..STEPS + (4.0 * way / STRIDE.0) as usize {
         let Some(next) = task.guidance.next(&mut progress, &pose) else { return Ok(()) };
         let distance = next.distance;
         if usize::from(progress.waypoint) > leg || started.is_infinite() {
@@ -137,10 +142,14 @@ pub(crate) fn roll(task: &Task, mass: f64, slope: &Slope) -> Result<(), Failure>
         if is_stuck(&moved.twist, task) {
             return Err(fail(Cause::Stuck, demand, Some(&moved)));
         }
-        if distance > started + RECEDED || time > task.time_limit {
+        if distance > started + RECEDED {
             return Err(fail(Cause::Astray, demand, Some(&moved)));
         }
-        let dt = (STRIDE.0 / speed.max(1e-9)).min(STRIDE.1 / rate.max(1e-9)).min(LONGEST);
+        if time > task.time_limit {
+            return Err(fail(Cause::TooSlow, demand, Some(&moved)));
+        }
+        let (far, turned) = step.strides();
+        let dt = (far / speed.max(1e-9)).min(turned / rate.max(1e-9)).min(LONGEST);
         time += dt;
         twist = moved.twist;
         forces = moved.forces;
@@ -168,6 +177,16 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
+    /// How far the load may move, m, and turn, rad, until the next look: near its goal and its heading no farther than half of
+    /// what is left, or half of the tolerance.
+    fn strides(&self) -> (f64, f64) {
+        let guidance = &self.task.guidance;
+        let narrow = |left: f64, tolerance: f64, stride: f64| (0.5 * left).min(stride).max(0.25 * tolerance);
+        let band = guidance.goal_yaw.map_or(guidance.release, |goal| goal.tolerance.min(guidance.release));
+        let turned = narrow(self.next.heading_error.abs(), band.max(1e-3), STRIDE.1);
+        (narrow(self.next.distance, guidance.tolerance, STRIDE.0).min(STRIDE.0), turned.min(STRIDE.1))
+    }
+
     /// Gravity along the ground in the load's frame, m/s².
     fn gravity(&self) -> Vector2<f64> {
         let (sin, cos) = (-self.heading).sin_cos();

@@ -57,13 +57,16 @@ pub(crate) struct Found {
     spread: f64,
 }
 
+/// Places along one edge less one: enough for twelve robots and the gaps between them.
+const MOST_STEPS: usize = 24;
+
 impl Board<'_> {
     pub fn slot(&self, place: Place) -> Slot {
         let edge = self.load.edge(place.edge);
         Slot { edge: place.edge, contact: edge.start + place.at * (edge.end - edge.start), facing: edge.inward() }
     }
 
-    /// Places along every edge, half a robot's pitch or less apart.
+    /// Places along every edge, half a robot's pitch apart, farther on edges with room for more robots than a team has.
     pub fn candidates(&self) -> Vec<Place> {
         let pitch = 2.0 * self.radius + CLEAR;
         let mut places = Vec::new();
@@ -72,7 +75,7 @@ impl Board<'_> {
             let inset = self.placement.min(length / 2.0);
             let span = length - 2.0 * inset;
             let abreast = (span / pitch + 1e-9).floor();
-            let steps = if span < 0.25 * pitch { 0 } else { 2 * (abreast as usize).max(1) };
+            let steps = if span < 0.25 * pitch { 0 } else { (2 * (abreast as usize).max(1)).min(MOST_STEPS) };
             for i in 0..=steps {
                 let along = if steps == 0 { length / 2.0 } else { inset + span * i as f64 / steps as f64 };
                 places.push(Place { edge, at: along / length });

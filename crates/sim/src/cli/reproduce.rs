@@ -29,7 +29,7 @@ pub(super) struct Reproduce {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     trials: Option<u32>,
     /// Seed of the first trial of every cell; the others follow.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=u64::MAX - 1_000_000))]
     seed: u64,
     /// Simulator.
     #[arg(long, value_enum, default_value = "planar")]
@@ -121,7 +121,10 @@ fn agreement(evidence: &[Evidence], arguments: &Reproduce) -> Vec<Section> {
     let compared = "r2p2-generalize";
     let Some(here) = evidence.iter().find(|e| e.results.name == compared) else { return Vec::new() };
     let other = if arguments.world.name() == "planar" { "spatial" } else { "planar" };
-    let trials = store::read_trials(&arguments.out.join(format!("{compared}-{other}"))).unwrap_or_default();
+    // a folder that is not there is no error: the other world has not run
+    let mut trials = store::read_trials(&arguments.out.join(format!("{compared}-{other}"))).unwrap_or_default();
+    let seeds = request(here.experiment, arguments).seeds();
+    trials.retain(|trial| seeds.contains(&trial.seed));
     let (planar, spatial) =
         if other == "spatial" { (&here.results.trials, &trials) } else { (&trials, &here.results.trials) };
     agreement::section(planar, spatial, here.results.seed).into_iter().collect()

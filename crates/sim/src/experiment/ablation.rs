@@ -39,7 +39,8 @@ impl Experiment for Ablation {
 
     fn about(&self) -> &'static str {
         "Each departure from the equations as printed, switched off alone; and the equations as printed, alone and with single \
-         departures switched on. Middle cell of Table I: 2 kg, friction 0.01, goal at 45° and 1 m. Time limit 400 s."
+         departures switched on. Middle cell of Table I: 2 kg, friction 0.01, goal at 45° and 1 m; there no angle crosses the half turn, so \
+         `no_wrap` cannot differ. Time limit 400 s."
     }
 
     fn cells(&self) -> Vec<Design> {

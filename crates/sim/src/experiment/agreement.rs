@@ -33,7 +33,7 @@ pub fn section(planar: &[Trial], spatial: &[Trial], seed: u64) -> Option<Section
             apart.push(key.to_string());
         }
         let (low, high) = ratio_of_medians_interval(&times(b), &times(a), seed);
-        if low < ALIKE.0 || high > ALIKE.1 {
+        if !(low >= ALIKE.0 && high <= ALIKE.1) {
             unlike.push(format!("{key} ({low:.2} to {high:.2})"));
         }
     }

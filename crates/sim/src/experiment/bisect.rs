@@ -39,13 +39,54 @@ const LOOKS: u32 = 20;
 /// # Errors
 /// A scenario that cannot be run.
 pub fn largest_mass(scenario: &Scenario, load: usize, seeds: &[u64], bracket: &Bracket) -> Result<f64, SimError> {
-    let arrives = |mass: f64| majority(scenario, load, mass, seeds);
+    Ok((limit(scenario, load, seeds, bracket, &mut |_, _| false)?).map_or(0.0, |limit| limit.mass()))
+}
+
+/// Two masses between which the limit lies, kg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassLimit {
+    /// The heaviest that arrived; 0 if none did.
+    pub arrived: f64,
+    /// The lightest that did not; the same where the heaviest of the bracket arrived.
+    pub failed: f64,
+}
+
+impl MassLimit {
+    /// The limit in one number: the geometric mean, kg.
+    pub fn mass(&self) -> f64 {
+        (self.arrived * self.failed).sqrt()
+    }
+}
+
+/// As [`largest_mass`], with both ends; `None` if `stop` (as in [`episode::run`]) ended the search.
+///
+/// # Errors
+/// A scenario that cannot be run.
+pub fn limit(
+    scenario: &Scenario,
+    load: usize,
+    seeds: &[u64],
+    bracket: &Bracket,
+    stop: &mut dyn FnMut(Time, Time) -> bool,
+) -> Result<Option<MassLimit>, SimError> {
+    let mut stopped = false;
+    let mut arrives = |mass: f64| {
+        majority(scenario, load, mass, seeds, &mut |now, end| {
+            stopped |= stop(now, end);
+            stopped
+        })
+    };
+    let found = bisect(&mut arrives, bracket)?;
+    Ok((!stopped).then_some(found))
+}
+
+fn bisect(arrives: &mut dyn FnMut(f64) -> Result<bool, SimError>, bracket: &Bracket) -> Result<MassLimit, SimError> {
     let (mut low, mut high) = (bracket.low, bracket.high);
     if !arrives(low)? {
-        return Ok(0.0);
+        return Ok(MassLimit { arrived: 0.0, failed: low });
     }
     if arrives(high)? {
-        return Ok(high);
+        return Ok(MassLimit { arrived: high, failed: high });
     }
     while high > low * (1.0 + bracket.resolution) {
         let middle = (low * high).sqrt();
@@ -55,11 +96,17 @@ pub fn largest_mass(scenario: &Scenario, load: usize, seeds: &[u64], bracket: &B
             high = middle;
         }
     }
-    Ok((low * high).sqrt())
+    Ok(MassLimit { arrived: low, failed: high })
 }
 
 /// Whether more than half of the seeds succeed; as few are run as decide it.
-fn majority(scenario: &Scenario, load: usize, mass: f64, seeds: &[u64]) -> Result<bool, SimError> {
+fn majority(
+    scenario: &Scenario,
+    load: usize,
+    mass: f64,
+    seeds: &[u64],
+    stop: &mut dyn FnMut(Time, Time) -> bool,
+) -> Result<bool, SimError> {
     let mut scenario = scenario.clone();
     if let Some(load) = scenario.loads.get_mut(load) {
         load.mass = mass;
@@ -71,7 +118,7 @@ fn majority(scenario: &Scenario, load: usize, mass: f64, seeds: &[u64]) -> Resul
         scenario.seed = *seed;
         let outran = Cell::new(false);
         let mut watch = Watch { load: LoadId(load as u16), limit: OUTRUN * fastest, fast: 0, outran: &outran };
-        let outcome = episode::run(&scenario, &mut watch, &mut |_, _| outran.get())?;
+        let outcome = episode::run(&scenario, &mut watch, &mut |now, end| outran.get() || stop(now, end))?;
         if outcome.success && !outran.get() {
             reached += 1;
         } else {

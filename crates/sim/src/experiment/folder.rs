@@ -21,8 +21,8 @@ pub struct Done {
     pub wall_s: f64,
 }
 
-/// Runs what is missing of `request` in the folder NAME-WORLD of `out`, and writes the table (trials.parquet), the report
-/// (report.md) and the figures anew. `progress` and `interrupted` are as in [`runner::run`].
+/// Runs what is missing of `request` in the folder NAME-WORLD of `out`, and writes the table (trials.parquet) and the report
+/// (report.md) anew, and the figures once no trial is missing. `progress` and `interrupted` are as in [`runner::run`].
 ///
 /// # Errors
 /// Files that cannot be read or written, a folder of other trials, trials that cannot be run.
@@ -40,7 +40,9 @@ pub fn run_into(
     let folder = store.folder().to_owned();
     store::write_parquet(&folder.join(store::TABLE), &results.trials)?;
     store::write_text(&folder.join("report.md"), &report::markdown(experiment, &results))?;
-    experiment.figures(&results, &folder)?;
+    if results.complete {
+        experiment.figures(&results, &folder)?;
+    }
     let (cpu_s, wall_s) = watch.seconds();
     Ok(Done { results, folder, cpu_s, wall_s })
 }

@@ -5,7 +5,8 @@
 //! numbers).
 //!
 //! # Deviations
-//! The waypoints of the ten-robot missions are ours, as in `r2p2-terrain`; two teams in one world are not in the paper.
+//! The laboratory mission starts with heading 0 and has friction 0.1, both not stated, and a slot near each corner. The
+//! waypoints of the ten-robot missions are ours, as in `r2p2-terrain`; two teams in one world are not in the paper.
 //!
 //! [R2P2]: cohaul_core::_documentation::references
 

@@ -139,6 +139,8 @@ pub struct Results {
     pub seed: u64,
     /// Trials per cell asked for.
     pub requested: usize,
+    /// Keys set in every cell, as `--set` does.
+    pub changes: Vec<String>,
     /// Whether every trial asked for is there.
     pub complete: bool,
     /// The trials, by cell, then by seed.

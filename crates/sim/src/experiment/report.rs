@@ -81,11 +81,12 @@ pub fn whole(evidence: &[Evidence], sections: &[Section]) -> String {
 /// How the numbers came about.
 fn provenance(results: &Results) -> String {
     let Results { name, world, seed, requested, .. } = results;
+    let changes: String = results.changes.iter().map(|change| format!(" --set '{change}'")).collect();
     let last = seed + (*requested as u64).max(1) - 1;
     let missing =
         if results.complete { "" } else { " Some trials are missing: run the command again to complete them." };
     format!(
-        "Written by `cohaul reproduce {name} --world {world} --trials {requested} --seed {seed}`, version {VERSION} ({REVISION}): \
+        "Written by `cohaul reproduce {name} --world {world} --trials {requested} --seed {seed}{changes}`, version {VERSION} ({REVISION}): \
          {} trials, seeds {seed} to {last} in each of {} cells.{missing}",
         results.trials.len(),
         results.cells.len(),
@@ -153,6 +154,7 @@ pub fn json(experiment: &dyn Experiment, results: &Results, wall_s: f64, cpu_s: 
         "world": results.world,
         "seed": results.seed,
         "trials": results.requested,
+        "set": results.changes,
         "complete": results.complete,
         "wall_s": wall_s,
         "cpu_s": cpu_s,

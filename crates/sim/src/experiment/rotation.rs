@@ -177,7 +177,7 @@ impl Experiment for Rotation {
 
     fn figures(&self, results: &Results, folder: &Path) -> Result<(), FileError> {
         for design in self.cells() {
-            let cell = design.cell(&results.world, &[])?;
+            let cell = design.cell(&results.world, &results.changes)?;
             let scenario = files::draw(&cell.scenario, Some(results.seed))?;
             let (_, instants) = trace(&scenario, &mut |_, _| false)?;
             figure::save(folder, self.name(), &panels(&instants))?;

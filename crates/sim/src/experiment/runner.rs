@@ -143,6 +143,7 @@ pub fn collect(experiment: &dyn Experiment, request: &Request, cells: &[Cell], s
         world: request.world.clone(),
         seed: request.seed,
         requested: request.trials,
+        changes: request.changes.clone(),
         complete: trials.len() == cells.len() * request.trials,
         trials,
         cells: summaries,

@@ -336,20 +336,29 @@ fn placement_matters(results: &Results) -> Verdict {
         if trials.is_empty() {
             return Verdict::unknown(statement);
         }
-        let mut ranges: Vec<(f64, String)> = CONTROL
+        let by_cell = super::trials::cells(&results.trials);
+        let mates: Vec<&[&Trial]> = trials
+            .iter()
+            .filter_map(|trial| by_cell.iter().find(|(key, _)| **key == trial.key).map(|(_, mates)| mates.as_slice()))
+            .collect();
+        let mut ranges: Vec<(f64, f64, f64, String)> = CONTROL
             .iter()
             .map(|factor| {
                 let value = range(level_means(&trials, factor));
                 let (low, high) = bootstrap(crate::statistics::RESAMPLES, results.seed, trials.len(), |chosen| {
-                    let resampled: Vec<&Trial> = chosen.iter().map(|index| trials[*index]).collect();
+                    // within the cell of each trial, so that the design stays crossed
+                    let resampled: Vec<&Trial> =
+                        mates.iter().zip(chosen).map(|(mates, index)| mates[index % mates.len()]).collect();
                     range(level_means(&resampled, factor))
                 });
-                (value, format!("{} {value:.2} s ({low:.2} to {high:.2})", factor.0))
+                (value, low, high, format!("{} {value:.2} s ({low:.2} to {high:.2})", factor.0))
             })
             .collect();
         ranges.sort_by(|a, b| b.0.total_cmp(&a.0));
-        largest_everywhere &= ranges.first().is_some_and(|(_, text)| text.starts_with("c "));
-        let texts: Vec<&str> = ranges.iter().map(|(_, text)| text.as_str()).collect();
+        largest_everywhere &= ranges.first().is_some_and(|(_, low, _, text)| {
+            text.starts_with("c ") && ranges.iter().skip(1).all(|(_, _, high, _)| low > high)
+        });
+        let texts: Vec<&str> = ranges.iter().map(|(.., text)| text.as_str()).collect();
         parts.push(format!("{}: {}", terrain.name(), texts.join(", ")));
     }
     let evidence =

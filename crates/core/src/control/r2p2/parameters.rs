@@ -62,7 +62,11 @@ impl Parameters {
             load_speed_max: keys.load_speed_max.unwrap_or(0.22),
             rate_hz: keys.rate_hz.unwrap_or(20.0),
             heading_threshold,
-            heading_release: keys.heading_release.unwrap_or(if literal { heading_threshold } else { 0.1 }),
+            heading_release: keys.heading_release.unwrap_or(if literal {
+                heading_threshold
+            } else {
+                heading_threshold.min(0.1)
+            }),
             wrap: keys.wrap.unwrap_or(!literal),
             support: keys.support.unwrap_or(if literal { Support::Literal } else { Support::Track }),
             stance: keys.stance.unwrap_or(if literal { Stance::Square } else { Stance::Arc }),
