@@ -120,6 +120,21 @@ fn noisy_poses_do_not_stop_a_mission() {
     all_arrive("r2p2/single.yaml", cases.to_vec());
 }
 
+/// With 1 cm of noise robots once passed a waypoint that the load had missed by a few millimetres, and went on to rest at the
+/// goal of a mission that could not end (seed 5022).
+#[test]
+fn noise_passes_no_waypoint_for_a_load_that_missed_it() {
+    let failed: Vec<u64> = (5010..5030)
+        .into_par_iter()
+        .filter(|seed| {
+            let noise = ["sensors.position_sd=0.01", "sensors.yaw_sd_deg=2", "teams.0.mission.time_limit=400"];
+            let changes = [&noise.map(String::from)[..], &[format!("seed={seed}")]].concat();
+            !outcome("beyond/either_way.yaml", &changes).success
+        })
+        .collect();
+    assert!(failed.is_empty(), "{failed:?}");
+}
+
 /// Robots knocked out of their slots are put back at once, and pay for it outside the mission's time.
 #[test]
 fn teleports_cost_their_penalty_and_nothing_else() {

@@ -8,6 +8,8 @@
 //! - `drive: nearest` lets the load travel backwards where that needs less turning; the paper always drives heading first.
 //! - A goal may have an orientation: within half the tolerance of the goal the load turns on the spot until it has it. The
 //!   paper leaves the final orientation to chance.
+//! - A waypoint before the goal is passed at 85 % of its tolerance: it stays passed, and poses have noise. The goal does not: a
+//!   team that is moved off it goes on.
 //! - A turn under way keeps its sense while the bearing crosses the half turn; the paper does not go beyond 75°.
 //!
 //! [R2P2]: crate::_documentation::references
@@ -27,6 +29,9 @@ use crate::transport::primitive::{self, Primitive, Turn};
 const TURN_AROUND: f64 = 0.3;
 /// Distance from the half turn within which a turn under way keeps its sense, rad.
 const HALF_TURN: f64 = 0.6;
+/// Share of the tolerance within which a waypoint before the goal is passed: noise must not pass it for a load that never was
+/// within the tolerance.
+const PASS: f64 = 0.85;
 /// Share of the goal's tolerances that the team aims at before it turns, and with which it is done turning.
 const AIM: f64 = 0.5;
 
@@ -130,7 +135,8 @@ impl Guidance {
             let is_goal = usize::from(progress.waypoint) + 1 == self.waypoints.len();
             let orientation = self.goal_yaw.filter(|_| is_goal);
             let reached = match orientation {
-                None => distance < self.tolerance,
+                None if is_goal => distance < self.tolerance,
+                None => distance < PASS * self.tolerance,
                 Some(goal) => {
                     let limit = if progress.aligning { self.tolerance } else { AIM * self.tolerance };
                     progress.aligning = distance < limit;

@@ -310,7 +310,6 @@ fn smallest_team(scenario: &Scenario, team: usize, feasible: bool) -> Option<usi
         spec.robots.count = robots;
         spec.robots.rates_hz = None;
         spec.formation.slots = Slots::Auto;
-        spec.formation.caging = None;
         let resolved = formation::resolve(&other).ok();
         let built = resolved.and_then(|resolved| task(&resolved, team).ok());
         built.is_some_and(|task| roll(&task, task.mass, &slope(scenario)).is_ok())
