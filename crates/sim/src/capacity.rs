@@ -30,7 +30,8 @@ pub fn table(team: &Capacity) -> String {
         ("largest mass", format!("{:.2} kg", team.max_mass_kg)),
         (
             "steepest slope",
-            team.max_slope_deg.map_or_else(|| "not even flat ground".to_owned(), |slope| format!("{slope:.1}°")),
+            team.max_slope_deg
+                .map_or_else(|| "not even flat ground".to_owned(), |slope| format!("{slope:.1}°, whichever way is up")),
         ),
         ("smallest team", team.min_robots.map_or_else(|| "more than 12 robots".to_owned(), robots)),
         ("why", team.explanation.clone()),
