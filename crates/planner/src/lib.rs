@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod capacity;
+pub mod car;
 pub mod conic;
 pub mod formation;
 pub mod instance;
