@@ -91,6 +91,12 @@ pub fn wrap(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;
     }
+    if angle > PI && angle <= 3.0 * PI {
+        return angle - TAU;
+    }
+    if angle <= -PI && angle > -3.0 * PI {
+        return angle + TAU;
+    }
     let turned = angle - TAU * (angle / TAU).round();
     if turned <= -PI { turned + TAU } else { turned }
 }

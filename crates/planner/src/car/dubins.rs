@@ -16,7 +16,7 @@ fn forwards(angle: f64) -> f64 {
 }
 
 /// Calls `found` with the steering and lengths of every word that leads to (x, y, turn) as seen from the start.
-fn words((x, y, turn): (f64, f64, f64), found: &mut dyn FnMut([Steer; 3], [f64; 3])) {
+pub(super) fn words((x, y, turn): (f64, f64, f64), mut found: impl FnMut([Steer; 3], [f64; 3])) {
     for mirrored in [false, true] {
         let (y, turn) = if mirrored { (-y, -turn) } else { (y, turn) };
         let (left, right) = if mirrored { (Steer::Right, Steer::Left) } else { (Steer::Left, Steer::Right) };
@@ -46,16 +46,19 @@ fn words((x, y, turn): (f64, f64, f64), found: &mut dyn FnMut([Steer; 3], [f64; 
 /// Length of the shortest curve from `start` to `goal`, in turning radii.
 pub fn distance(start: &Place, goal: &Place) -> f64 {
     let mut least = f64::INFINITY;
-    words(start.towards(goal), &mut |_, lengths| least = least.min(lengths.iter().sum()));
+    words(start.towards(goal), |_, lengths| least = least.min(lengths.iter().sum()));
     least
+}
+
+/// A word as a curve.
+pub(super) fn curve(steers: [Steer; 3], lengths: [f64; 3]) -> Curve {
+    let segment = |i: usize| Segment { steer: steers[i], length: lengths[i] };
+    Curve::new(&[segment(0), segment(1), segment(2)])
 }
 
 /// Every word's curve from `start` to `goal`, appended to `curves`.
 pub fn curves(start: &Place, goal: &Place, curves: &mut Vec<Curve>) {
-    words(start.towards(goal), &mut |steers, lengths| {
-        let segment = |i: usize| Segment { steer: steers[i], length: lengths[i] };
-        curves.push(Curve::new(&[segment(0), segment(1), segment(2)]));
-    });
+    words(start.towards(goal), |steers, lengths| curves.push(curve(steers, lengths)));
 }
 
 #[cfg(test)]

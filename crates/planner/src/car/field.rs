@@ -246,18 +246,30 @@ impl Field {
         }
     }
 
+    /// Cost of a piece of a curve, a turn or straight, after a step in `gear`: whole steps and a shorter last one.
+    #[inline]
+    pub(super) fn segment_cost(&self, gear: i8, length: f64, turns: bool) -> f64 {
+        let size = length.abs();
+        let mut rate = if turns { self.prices.turning } else { 1.0 };
+        let mut cost = size;
+        if length < 0.0 {
+            rate *= self.prices.reversing;
+        }
+        if gear != 0 && (gear < 0) != (length < 0.0) {
+            cost += (self.prices.switching - 1.0) * size.min(self.step);
+        }
+        rate * cost
+    }
+
     /// Cost of a whole curve after a step in `gear`.
     pub(super) fn curve_cost(&self, mut gear: i8, curve: &Curve) -> f64 {
         let mut cost = 0.0;
         for segment in curve.segments() {
-            let length = segment.length.abs();
-            let first = Segment { length: segment.length.signum() * length.min(self.step), ..*segment };
-            let (price, now) = self.cost(gear, first);
-            cost += price;
-            gear = now;
-            if length > self.step {
-                let rest = Segment { length: segment.length.signum() * (length - self.step), ..*segment };
-                cost += self.cost(gear, rest).0;
+            if segment.steer == Steer::Spin {
+                cost += segment.length.abs() * self.prices.turning;
+            } else {
+                cost += self.segment_cost(gear, segment.length, segment.steer != Steer::Straight);
+                gear = if segment.length < 0.0 { -1 } else { 1 };
             }
         }
         cost

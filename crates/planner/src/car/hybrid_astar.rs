@@ -28,8 +28,8 @@ use crate::search::{Budget, Spent};
 const HEADINGS: f64 = 24.0;
 /// Cells per step length.
 const CELLS_PER_STEP: f64 = 1.0;
-/// Curves tried at each state, the cheapest first.
-const CURVES_TRIED: usize = 4;
+/// Excess of a state's own total over what it was queued with that is not worth queueing it again.
+const REQUEUE: f64 = 1e-3;
 
 /// What is asked of the search.
 pub(super) struct Ask<'a> {
@@ -69,8 +69,10 @@ struct Node {
     parent: u32,
     step: Segment,
     gear: i8,
-    /// Whether `ahead` is its own.
-    exact: bool,
+    /// How many curves from here were priced; until then `ahead` is no more than a bound.
+    curves: u8,
+    /// Where the first of them is kept.
+    first: u32,
     ahead: f64,
 }
 
@@ -105,8 +107,7 @@ pub(super) struct HybridAstar {
     nodes: Vec<Node>,
     open: BinaryHeap<Open>,
     reached: Table,
-    curves: Vec<Curve>,
-    priced: Vec<(f64, u32)>,
+    curves: Vec<(f64, Curve)>,
 }
 
 /// A curve that reaches the goal.
@@ -123,7 +124,6 @@ impl HybridAstar {
             open: BinaryHeap::new(),
             reached: Table::new(),
             curves: Vec::new(),
-            priced: Vec::new(),
         }
     }
 
@@ -133,6 +133,7 @@ impl HybridAstar {
         self.nodes.clear();
         self.open.clear();
         self.reached.clear();
+        self.curves.clear();
         let parked = traffic.weigh_parked(field, ask.weights, &ask.goal);
         let settled = traffic.settled() as u32;
         let mut best: Option<Arrival> = None;
@@ -145,7 +146,8 @@ impl HybridAstar {
             parent: u32::MAX,
             step: WAIT,
             gear: 0,
-            exact: false,
+            curves: 0,
+            first: 0,
             ahead: field.distance(&ask.start, &ask.goal),
         };
         self.nodes.push(root);
@@ -157,28 +159,27 @@ impl HybridAstar {
                 break;
             }
             let index = top.node;
-            let node = self.nodes[index as usize];
-            if !node.exact {
-                self.price_curves(field, &node, &ask.goal);
-                let ahead = self.priced.first().map_or(f64::INFINITY, |(price, _)| *price);
-                self.nodes[index as usize].exact = true;
-                self.nodes[index as usize].ahead = ahead;
-                if node.cost + ahead > top.total + 1e-9 {
-                    self.open.push(Open { total: node.cost + ahead, ..top });
+            let mut node = self.nodes[index as usize];
+            if node.curves == 0 {
+                let list = steering::cheapest(field, node.gear, &node.place, &ask.goal);
+                node.first = self.curves.len() as u32;
+                node.curves = list.as_slice().len() as u8;
+                self.curves.extend_from_slice(list.as_slice());
+                node.ahead = list.as_slice().first().map_or(f64::INFINITY, |(price, _)| *price);
+                self.nodes[index as usize] = node;
+                if node.cost + node.ahead > top.total + REQUEUE {
+                    self.open.push(Open { total: node.cost + node.ahead, ..top });
                     continue;
                 }
-            } else {
-                self.price_curves(field, &node, &ask.goal);
             }
             budget.spend(1)?;
             expanded += 1;
             let mut hindered = false;
-            for i in 0..self.priced.len().min(CURVES_TRIED) {
-                let (price, curve) = self.priced[i];
+            for i in node.first..node.first + u32::from(node.curves) {
+                let (price, curve) = self.curves[i as usize];
                 if node.cost + price >= below {
                     break;
                 }
-                let curve = self.curves[curve as usize];
                 match follow(ask, &node, &curve, &parked, below) {
                     Some(total) if total < below => {
                         below = total;
@@ -198,22 +199,6 @@ impl HybridAstar {
         Ok(Found { way, total, expanded, exhausted })
     }
 
-    /// Curves from `node` to the goal with their costs, the cheapest first.
-    fn price_curves(&mut self, field: &Field, node: &Node, goal: &Place) {
-        self.curves.clear();
-        self.priced.clear();
-        steering::curves(field.drive, &node.place, goal, &mut self.curves);
-        for (index, curve) in self.curves.iter().enumerate() {
-            self.priced.push((field.curve_cost(node.gear, curve), index as u32));
-        }
-        let count = self.priced.len().min(CURVES_TRIED);
-        if self.priced.len() > count {
-            self.priced.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            self.priced.truncate(count);
-        }
-        self.priced.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    }
-
     fn expand(&mut self, ask: &Ask<'_>, index: u32, below: f64, hindered: bool, settled: u32) {
         let (field, traffic) = (ask.field, ask.traffic);
         let node = self.nodes[index as usize];
@@ -227,7 +212,7 @@ impl HybridAstar {
             let place = node.place.moved(step, (sign * sin, cos));
             let (price, gear) = field.cost(node.gear, step);
             let cost = node.cost + price;
-            let ahead = (node.ahead - price).max((ask.goal.x - place.x).hypot(ask.goal.y - place.y));
+            let ahead = (node.ahead - price).max(apart(&place, &ask.goal));
             if cost + ahead >= below || !field.is_free(&node.place, step, &place) {
                 continue;
             }
@@ -237,7 +222,7 @@ impl HybridAstar {
                 ask,
                 below,
                 settled,
-                Node { place, cost: cost + met, time: node.time + 1, parent: index, step, gear, exact: false, ahead },
+                Node { place, cost: cost + met, time: node.time + 1, parent: index, step, gear, curves: 0, first: 0, ahead },
             );
         }
         if (in_the_way || ask.thorough) && node.time < settled {
@@ -252,7 +237,6 @@ impl HybridAstar {
                     time: node.time + 1,
                     parent: index,
                     step: WAIT,
-                    exact: true,
                     ..self.nodes[index as usize]
                 },
             );
@@ -294,6 +278,11 @@ impl HybridAstar {
         steps.extend(steps_of(&arrival.curve, ask.field.step));
         Way::new(ask.field, ask.start, steps, ask.goal)
     }
+}
+
+/// Distance of two places.
+fn apart(a: &Place, b: &Place) -> f64 {
+    ((a.x - b.x).powi(2) + (a.y - b.y).powi(2)).sqrt()
 }
 
 /// Cost of reaching the goal from `node` along `curve` and resting there; nothing where something fixed is in the way or

@@ -6,7 +6,7 @@
 //! `t, u, v` as printed. A shortest curve is always among them.
 //!
 //! # Deviations
-//! - The guard of 8.4 (the last arc of C|CC) is the one that holds geometrically; every word's end is checked in a test.
+//! - Bearings are computed once per turning circle and carried over to the mirror images; 8.11 is written with them.
 //! - All words are given, not only the shortest: where a robot is in the way, the next one may be free.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -16,209 +16,243 @@ use super::curve::{Curve, Place, Segment, Steer, wrap};
 /// Slack in the signs of lengths, so that rounding does not lose a word that ends exactly at a boundary.
 const SLACK: f64 = 1e-10;
 
-/// Goal as seen from the start, with what all formulas need of it. Units of the turning radius.
-#[derive(Clone, Copy)]
-struct Sight {
-    x: f64,
-    y: f64,
-    turn: f64,
-    sin: f64,
-    cos: f64,
+const L: Steer = Steer::Left;
+const R: Steer = Steer::Right;
+const S: Steer = Steer::Straight;
+
+/// The shapes of words before any mirroring; the last three also occur in the reverse order.
+const SHAPES: [&[Steer]; 11] = [
+    &[L, S, L],
+    &[L, S, R],
+    &[L, R, L],
+    &[L, R, L, R],
+    &[L, R, L, R],
+    &[L, R, S, L],
+    &[L, R, S, R],
+    &[L, R, S, L, R],
+    &[L, R, L],
+    &[L, S, R, L],
+    &[R, S, R, L],
+];
+
+/// A word: its shape, whether left and right are exchanged, and its lengths.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Word {
+    shape: u8,
+    mirrored: bool,
+    lengths: [f64; 5],
 }
 
-impl Sight {
-    fn new(x: f64, y: f64, turn: f64) -> Self {
-        let (sin, cos) = turn.sin_cos();
-        Self { x, y, turn, sin, cos }
+impl Word {
+    /// The segments' steering and lengths.
+    pub(super) fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
+        SHAPES[usize::from(self.shape)].iter().zip(&self.lengths).map(|(steer, length)| {
+            let steer = match (steer, self.mirrored) {
+                (Steer::Left, true) => Steer::Right,
+                (Steer::Right, true) => Steer::Left,
+                (same, _) => *same,
+            };
+            Segment { steer, length: *length }
+        })
     }
 
-    /// Driven in the other gear.
+    /// Lengths only; those beyond the last segment are 0.
+    pub(super) const fn lengths(&self) -> &[f64; 5] {
+        &self.lengths
+    }
+
+    /// Whether segment `i` is straight.
+    #[inline]
+    pub(super) fn is_straight(&self, i: usize) -> bool {
+        SHAPES[usize::from(self.shape)].get(i) == Some(&S)
+    }
+
+    /// The word as a curve.
+    pub(super) fn curve(&self) -> Curve {
+        let mut segments = [Segment { steer: S, length: 0.0 }; 5];
+        for (slot, segment) in segments.iter_mut().zip(self.segments()) {
+            *slot = segment;
+        }
+        Curve::new(&segments)
+    }
+}
+
+/// Centre of the goal's turning circle as seen from that of the start: (ξ, η), its distance squared and its bearing.
+#[derive(Clone, Copy)]
+struct Centre {
+    xi: f64,
+    eta: f64,
+    square: f64,
+    bearing: f64,
+}
+
+impl Centre {
+    fn new(xi: f64, eta: f64) -> Self {
+        Self { xi, eta, square: xi * xi + eta * eta, bearing: eta.atan2(xi) }
+    }
+
+    /// For driving in the other gear.
     fn backwards(self) -> Self {
-        Self { x: -self.x, turn: -self.turn, sin: -self.sin, ..self }
-    }
-
-    /// Left and right exchanged.
-    fn mirrored(self) -> Self {
-        Self { y: -self.y, turn: -self.turn, sin: -self.sin, ..self }
-    }
-
-    /// Start and goal exchanged.
-    fn reversed(self) -> Self {
-        Self { x: self.x * self.cos + self.y * self.sin, y: self.x * self.sin - self.y * self.cos, ..self }
-    }
-
-    /// ξ = x − sin φ, η = y − 1 + cos φ.
-    fn same_side(self) -> (f64, f64) {
-        (self.x - self.sin, self.y - 1.0 + self.cos)
-    }
-
-    /// ξ = x + sin φ, η = y − 1 − cos φ.
-    fn other_side(self) -> (f64, f64) {
-        (self.x + self.sin, self.y - 1.0 - self.cos)
+        Self { xi: -self.xi, bearing: wrap(PI - self.bearing), ..self }
     }
 }
 
 /// 8.1, L+ S+ L+.
-fn lsl(to: Sight) -> Option<[f64; 3]> {
-    let (xi, eta) = to.same_side();
-    let t = eta.atan2(xi);
-    let v = wrap(to.turn - t);
-    (t >= -SLACK && v >= -SLACK).then(|| [t, xi.hypot(eta), v])
+fn lsl(same: Centre, turn: f64) -> Option<[f64; 5]> {
+    let t = same.bearing;
+    if t < -SLACK {
+        return None;
+    }
+    let v = wrap(turn - t);
+    (v >= -SLACK).then(|| [t, same.square.sqrt(), v, 0.0, 0.0])
 }
 
 /// 8.2, L+ S+ R+.
-fn lsr(to: Sight) -> Option<[f64; 3]> {
-    let (xi, eta) = to.other_side();
-    let square = xi * xi + eta * eta;
-    if square < 4.0 {
+fn lsr(other: Centre, turn: f64) -> Option<[f64; 5]> {
+    if other.square < 4.0 {
         return None;
     }
-    let u = (square - 4.0).sqrt();
-    let t = wrap(eta.atan2(xi) + 2.0_f64.atan2(u));
-    let v = wrap(t - to.turn);
-    (t >= -SLACK && v >= -SLACK).then_some([t, u, v])
+    let u = (other.square - 4.0).sqrt();
+    let t = wrap(other.bearing + 2.0_f64.atan2(u));
+    if t < -SLACK {
+        return None;
+    }
+    let v = wrap(t - turn);
+    (v >= -SLACK).then_some([t, u, v, 0.0, 0.0])
 }
 
 /// 8.3 and 8.4, L+ R− L with the last arc in either gear.
-fn lrl(to: Sight) -> Option<[f64; 3]> {
-    let (xi, eta) = to.same_side();
-    let square = xi * xi + eta * eta;
-    if square > 16.0 {
+fn lrl(same: Centre, turn: f64) -> Option<[f64; 5]> {
+    if same.square > 16.0 {
         return None;
     }
-    let u = -2.0 * (0.25 * square.sqrt()).asin();
-    let t = wrap(eta.atan2(xi) + 0.5 * u + PI);
-    let v = wrap(to.turn - t + u);
-    (t >= -SLACK && u <= SLACK).then_some([t, u, v])
+    let u = -2.0 * (0.25 * same.square.sqrt()).asin();
+    let t = wrap(same.bearing + 0.5 * u + PI);
+    let v = wrap(turn - t + u);
+    (t >= -SLACK && u <= SLACK).then_some([t, u, v, 0.0, 0.0])
 }
 
 /// The first and the last arc of a word of four, τ and ω.
-fn outer(u: f64, v: f64, (xi, eta): (f64, f64), turn: f64) -> (f64, f64) {
+fn outer(u: f64, v: f64, other: Centre, turn: f64) -> (f64, f64) {
     let delta = wrap(u - v);
     let a = u.sin() - delta.sin();
     let b = u.cos() - delta.cos() - 1.0;
-    let t = (eta * a - xi * b).atan2(xi * a + eta * b);
+    let t = (other.eta * a - other.xi * b).atan2(other.xi * a + other.eta * b);
     let side = 2.0 * (delta.cos() - v.cos() - u.cos()) + 3.0;
     let tau = if side < 0.0 { wrap(t + PI) } else { t };
     (tau, wrap(tau - u + v - turn))
 }
 
 /// 8.7, L+ R+ L− R−, both middle arcs equally long.
-fn lrlr_turned(to: Sight) -> Option<[f64; 4]> {
-    let centre = to.other_side();
-    let rho = 0.25 * (2.0 + centre.0.hypot(centre.1));
-    if rho > 1.0 {
+fn lrlr_turned(other: Centre, turn: f64) -> Option<[f64; 5]> {
+    if other.square > 4.0 {
         return None;
     }
-    let u = rho.acos();
-    let (t, v) = outer(u, -u, centre, to.turn);
-    (t >= -SLACK && v <= SLACK).then_some([t, u, -u, v])
+    let u = (0.25 * (2.0 + other.square.sqrt())).min(1.0).acos();
+    let (t, v) = outer(u, -u, other, turn);
+    (t >= -SLACK && v <= SLACK).then_some([t, u, -u, v, 0.0])
 }
 
 /// 8.8, L+ R− L− R+, both middle arcs equally long.
-fn lrlr_between(to: Sight) -> Option<[f64; 4]> {
-    let centre = to.other_side();
-    let rho = (20.0 - centre.0 * centre.0 - centre.1 * centre.1) / 16.0;
+fn lrlr_between(other: Centre, turn: f64) -> Option<[f64; 5]> {
+    let rho = (20.0 - other.square) / 16.0;
     if !(0.0..=1.0).contains(&rho) {
         return None;
     }
     let u = -rho.acos();
-    let (t, v) = outer(u, u, centre, to.turn);
-    (t >= -SLACK && v >= -SLACK).then_some([t, u, u, v])
+    let (t, v) = outer(u, u, other, turn);
+    (t >= -SLACK && v >= -SLACK).then_some([t, u, u, v, 0.0])
 }
 
 /// 8.9, L+ R−π/2 S− L−.
-fn lrsl(to: Sight) -> Option<[f64; 4]> {
-    let (xi, eta) = to.same_side();
-    let square = xi * xi + eta * eta;
-    if square < 4.0 {
+fn lrsl(same: Centre, turn: f64) -> Option<[f64; 5]> {
+    // the straight piece is driven backwards: r is at least 2
+    if same.square < 8.0 - SLACK {
         return None;
     }
-    let r = (square - 4.0).sqrt();
-    let u = 2.0 - r;
-    let t = wrap(eta.atan2(xi) + r.atan2(-2.0));
-    let v = wrap(to.turn - FRAC_PI_2 - t);
-    (t >= -SLACK && u <= SLACK && v <= SLACK).then_some([t, -FRAC_PI_2, u, v])
+    let r = (same.square - 4.0).sqrt();
+    let u = (2.0 - r).min(0.0);
+    let t = wrap(same.bearing + FRAC_PI_2 + 2.0_f64.atan2(r));
+    if t < -SLACK {
+        return None;
+    }
+    let v = wrap(turn - FRAC_PI_2 - t);
+    (v <= SLACK).then_some([t, -FRAC_PI_2, u, v, 0.0])
 }
 
 /// 8.10, L+ R−π/2 S− R−.
-fn lrsr(to: Sight) -> Option<[f64; 4]> {
-    let (xi, eta) = to.other_side();
-    let rho = xi.hypot(eta);
-    if rho < 2.0 {
+fn lrsr(other: Centre, turn: f64) -> Option<[f64; 5]> {
+    if other.square < 4.0 {
         return None;
     }
-    let t = xi.atan2(-eta);
-    let u = 2.0 - rho;
-    let v = wrap(t + FRAC_PI_2 - to.turn);
-    (t >= -SLACK && u <= SLACK && v <= SLACK).then_some([t, -FRAC_PI_2, u, v])
+    let t = wrap(other.bearing + FRAC_PI_2);
+    if t < -SLACK {
+        return None;
+    }
+    let u = 2.0 - other.square.sqrt();
+    let v = wrap(t + FRAC_PI_2 - turn);
+    (v <= SLACK).then_some([t, -FRAC_PI_2, u, v, 0.0])
 }
 
 /// 8.11, L+ R−π/2 S− L−π/2 R+.
-fn lrslr(to: Sight) -> Option<[f64; 5]> {
-    let (xi, eta) = to.other_side();
-    let square = xi * xi + eta * eta;
-    if square < 4.0 {
+fn lrslr(other: Centre, turn: f64) -> Option<[f64; 5]> {
+    let square = other.square;
+    if square < 20.0 - SLACK {
         return None;
     }
-    let u = 4.0 - (square - 4.0).sqrt();
-    if u > SLACK {
+    let u = (4.0 - (square - 4.0).sqrt()).min(0.0);
+    // the bearing of (−2 ξ − (4 − u) η, (4 − u) ξ − 2 η), which is (−2 + (4 − u) i) (ξ + η i)
+    let t = wrap(other.bearing + FRAC_PI_2 + 2.0_f64.atan2(4.0 - u));
+    if t < -SLACK {
         return None;
     }
-    let t = wrap(((4.0 - u) * xi - 2.0 * eta).atan2(-2.0 * xi + (u - 4.0) * eta));
-    let v = wrap(t - to.turn);
-    (t >= -SLACK && v >= -SLACK).then_some([t, -FRAC_PI_2, u, -FRAC_PI_2, v])
+    let v = wrap(t - turn);
+    (v >= -SLACK).then_some([t, -FRAC_PI_2, u, -FRAC_PI_2, v])
 }
 
-const L: Steer = Steer::Left;
-const R: Steer = Steer::Right;
-const S: Steer = Steer::Straight;
-
-const fn other(steer: Steer) -> Steer {
-    match steer {
-        Steer::Left => Steer::Right,
-        Steer::Right => Steer::Left,
-        same => same,
-    }
-}
-
-/// Calls `found` with the steering and lengths of every word that leads to `to`.
-fn words(to: Sight, found: &mut dyn FnMut(&[Steer], &[f64])) {
-    let mut steers = [S; 5];
-    let mut lengths = [0.0; 5];
-    for image in 0..4 {
-        let backwards = image & 1 == 1;
-        let mirrored = image & 2 == 2;
-        let mut seen = to;
-        if backwards {
-            seen = seen.backwards();
+/// Calls `found` with every word that leads to (x, y, turn) as seen from the start.
+#[inline]
+pub(super) fn words(x: f64, y: f64, turn: f64, mut found: impl FnMut(Word)) {
+    let (sin, cos) = turn.sin_cos();
+    for mirrored in [false, true] {
+        // left and right exchanged
+        let (y, turn, sin) = if mirrored { (-y, -turn, -sin) } else { (y, turn, sin) };
+        // start and goal exchanged
+        let (rx, ry) = (x * cos + y * sin, x * sin - y * cos);
+        let centres = [
+            Centre::new(x - sin, y - 1.0 + cos),
+            Centre::new(x + sin, y - 1.0 - cos),
+            Centre::new(rx - sin, ry - 1.0 + cos),
+            Centre::new(rx + sin, ry - 1.0 - cos),
+        ];
+        for backwards in [false, true] {
+            // driven in the other gear
+            let turn = if backwards { -turn } else { turn };
+            let [same, other, same_reversed, other_reversed] =
+                if backwards { centres.map(Centre::backwards) } else { centres };
+            let mut give = |shape: u8, lengths: Option<[f64; 5]>, count: usize| {
+                if let Some(mut lengths) = lengths {
+                    if shape >= 8 {
+                        lengths[..count].reverse();
+                    }
+                    if backwards {
+                        lengths = lengths.map(|length| -length);
+                    }
+                    found(Word { shape, mirrored, lengths });
+                }
+            };
+            give(0, lsl(same, turn), 3);
+            give(1, lsr(other, turn), 3);
+            give(2, lrl(same, turn), 3);
+            give(3, lrlr_turned(other, turn), 4);
+            give(4, lrlr_between(other, turn), 4);
+            give(5, lrsl(same, turn), 4);
+            give(6, lrsr(other, turn), 4);
+            give(7, lrslr(other, turn), 5);
+            give(8, lrl(same_reversed, turn), 3);
+            give(9, lrsl(same_reversed, turn), 4);
+            give(10, lrsr(other_reversed, turn), 4);
         }
-        if mirrored {
-            seen = seen.mirrored();
-        }
-        let mut give = |word: &[Steer], values: Option<&[f64]>, reversed: bool| {
-            let Some(values) = values else { return };
-            let n = values.len();
-            for i in 0..n {
-                let from = if reversed { n - 1 - i } else { i };
-                steers[i] = if mirrored { other(word[from]) } else { word[from] };
-                lengths[i] = if backwards { -values[from] } else { values[from] };
-            }
-            found(&steers[..n], &lengths[..n]);
-        };
-        give(&[L, S, L], lsl(seen).as_ref().map(<[f64; 3]>::as_slice), false);
-        give(&[L, S, R], lsr(seen).as_ref().map(<[f64; 3]>::as_slice), false);
-        give(&[L, R, L], lrl(seen).as_ref().map(<[f64; 3]>::as_slice), false);
-        give(&[L, R, L, R], lrlr_turned(seen).as_ref().map(<[f64; 4]>::as_slice), false);
-        give(&[L, R, L, R], lrlr_between(seen).as_ref().map(<[f64; 4]>::as_slice), false);
-        give(&[L, R, S, L], lrsl(seen).as_ref().map(<[f64; 4]>::as_slice), false);
-        give(&[L, R, S, R], lrsr(seen).as_ref().map(<[f64; 4]>::as_slice), false);
-        give(&[L, R, S, L, R], lrslr(seen).as_ref().map(<[f64; 5]>::as_slice), false);
-        // the same from the goal's end; the other families are their own images
-        let seen = seen.reversed();
-        give(&[L, R, L], lrl(seen).as_ref().map(<[f64; 3]>::as_slice), true);
-        give(&[L, R, S, L], lrsl(seen).as_ref().map(<[f64; 4]>::as_slice), true);
-        give(&[L, R, S, R], lrsr(seen).as_ref().map(<[f64; 4]>::as_slice), true);
     }
 }
 
@@ -226,8 +260,8 @@ fn words(to: Sight, found: &mut dyn FnMut(&[Steer], &[f64])) {
 pub fn distance(start: &Place, goal: &Place) -> f64 {
     let (x, y, turn) = start.towards(goal);
     let mut least = f64::INFINITY;
-    words(Sight::new(x, y, turn), &mut |_, lengths| {
-        least = least.min(lengths.iter().map(|length| length.abs()).sum());
+    words(x, y, turn, |word| {
+        least = least.min(word.lengths.iter().map(|length| length.abs()).sum());
     });
     least
 }
@@ -235,13 +269,7 @@ pub fn distance(start: &Place, goal: &Place) -> f64 {
 /// Every word's curve from `start` to `goal`, appended to `curves`.
 pub fn curves(start: &Place, goal: &Place, curves: &mut Vec<Curve>) {
     let (x, y, turn) = start.towards(goal);
-    words(Sight::new(x, y, turn), &mut |steers, lengths| {
-        let mut segments = [Segment { steer: S, length: 0.0 }; 5];
-        for (segment, (steer, length)) in segments.iter_mut().zip(steers.iter().zip(lengths)) {
-            *segment = Segment { steer: *steer, length: *length };
-        }
-        curves.push(Curve::new(&segments));
-    });
+    words(x, y, turn, |word| curves.push(word.curve()));
 }
 
 #[cfg(test)]
