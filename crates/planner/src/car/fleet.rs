@@ -20,8 +20,16 @@ use crate::search::{Budget, Spent};
 
 /// States that one search may expand while conflicts are negotiated.
 const LIMIT: u64 = 4_000;
-/// Rounds of negotiation.
-const ROUNDS: usize = 60;
+/// Rounds of negotiation, then of repair around single conflicts.
+const ROUNDS: usize = 4;
+const REPAIRS: usize = 2_000;
+/// Factors on what lies ahead in negotiation and in improvement: greedy searches find detours sooner.
+const GREED: f64 = 1.5;
+const GREED_LATE: f64 = 1.5;
+/// States that improvement may expand, per body.
+const IMPROVEMENT: u64 = 200;
+/// Excess over the own best way that is not worth an attempt at improvement, in steps.
+const WORTHWHILE: f64 = 1.0;
 /// What the first meetings cost, in steps, and by how much it grows each round.
 const FIRST_WEIGHT: f64 = 1.0;
 const GROWTH: f64 = 1.3;
@@ -95,6 +103,7 @@ impl<'a> Fleet<'a> {
         &mut self,
         body: usize,
         ratio: f64,
+        limit: u64,
         below: f64,
         budget: &Budget<'_>,
     ) -> Result<Option<(Way, f64)>, Spent> {
@@ -108,7 +117,7 @@ impl<'a> Fleet<'a> {
             goal: task.goal,
             ratio,
             below,
-            limit: LIMIT,
+            limit,
             thorough: false,
         };
         let found = self.search.find(&ask, budget);
@@ -141,7 +150,7 @@ impl<'a> Fleet<'a> {
                     // in the first round those that still come will give way themselves
                     self.weights[*other] = if round == 0 && later > rank { 0.3 * weight } else { weight };
                 }
-                if let Some((way, _)) = self.replan(body, 1.02, f64::INFINITY, budget)? {
+                if let Some((way, _)) = self.replan(body, GREED, LIMIT, f64::INFINITY, budget)? {
                     self.traffic.set(body, Some(Arc::new(way)));
                 }
             }
@@ -153,13 +162,96 @@ impl<'a> Fleet<'a> {
             }
             weight = (weight * GROWTH).min(MOST_WEIGHT * self.field.step);
         }
-        Ok(false)
+        self.repair(budget)
+    }
+
+    /// Pairs whose ways meet, in order.
+    fn conflicts(&self) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for body in 0..self.tasks.len() {
+            if let Some(way) = self.traffic.way(body) {
+                let met = self.traffic.met(self.field, body, way);
+                pairs.extend(met.into_iter().filter(|(other, _)| *other > body).map(|(other, _)| (body, other)));
+            }
+        }
+        pairs
+    }
+
+    /// Plans pairs that still meet anew together with those around them, in ever another order, until nobody meets.
+    fn repair(&mut self, budget: &Budget<'_>) -> Result<bool, Spent> {
+        let mut pairs = self.conflicts();
+        let mut turn = 0x2545_f491_u32;
+        let mut draw = |below: usize| {
+            // xorshift: any order will do, as long as it is another one
+            turn ^= turn << 13;
+            turn ^= turn >> 17;
+            turn ^= turn << 5;
+            turn as usize % below.max(1)
+        };
+        let mut stuck = 0;
+        for _ in 0..REPAIRS {
+            if pairs.is_empty() {
+                return Ok(true);
+            }
+            self.effort.high_level_expanded += 1;
+            let (first, second) = pairs[draw(pairs.len())];
+            let mut group = vec![first, second];
+            for body in [first, second] {
+                let alone = self.alone[body].clone();
+                let mut near: Vec<usize> =
+                    self.traffic.met(self.field, body, &alone).into_iter().map(|(other, _)| other).collect();
+                if let Some(way) = self.traffic.way(body) {
+                    near.extend(self.traffic.met(self.field, body, way).into_iter().map(|(other, _)| other));
+                }
+                group.extend(near);
+            }
+            // whoever comes close to either, drawn at random
+            for _ in 0..stuck.min(4) {
+                group.push(draw(self.tasks.len()));
+            }
+            let mut seen = Vec::new();
+            group.retain(|body| {
+                !seen.contains(body) && {
+                    seen.push(*body);
+                    true
+                }
+            });
+            group.truncate(3 + draw(6));
+            for i in (1..group.len()).rev() {
+                group.swap(i, draw(i + 1));
+            }
+            let old: Vec<Option<Arc<Way>>> = group.iter().map(|member| self.traffic.way(*member).cloned()).collect();
+            for member in &group {
+                self.traffic.set(*member, None);
+            }
+            self.weights.fill((4 << (stuck / 8).min(5)) as f64 * self.field.step);
+            let limit = LIMIT << (stuck / 16).min(3);
+            let mut complete = true;
+            for member in &group {
+                match self.replan(*member, GREED_LATE, limit, f64::INFINITY, budget)? {
+                    Some((way, _)) => self.traffic.set(*member, Some(Arc::new(way))),
+                    None => complete = false,
+                }
+            }
+            let now = if complete { self.conflicts() } else { Vec::new() };
+            if complete && now.len() <= pairs.len() {
+                stuck = if now.len() < pairs.len() { 0 } else { stuck + 1 };
+                pairs = now;
+            } else {
+                for (member, way) in group.iter().zip(old) {
+                    self.traffic.set(*member, way);
+                }
+                stuck += 1;
+            }
+        }
+        Ok(pairs.is_empty())
     }
 
     /// Improves ways that do not meet, `rounds` times over all bodies.
     pub(super) fn improve(&mut self, rounds: usize, budget: &Budget<'_>) -> Result<(), Spent> {
         let bodies = self.tasks.len();
         self.weights.fill(f64::INFINITY);
+        let most = self.effort.low_level_expanded + IMPROVEMENT * bodies as u64;
         for _ in 0..rounds {
             let mut order: Vec<usize> = (0..bodies).collect();
             let excess = |fleet: &Self, body: usize| {
@@ -168,7 +260,10 @@ impl<'a> Fleet<'a> {
             order.sort_by(|a, b| excess(self, *b).total_cmp(&excess(self, *a)).then(a.cmp(b)));
             let mut better = false;
             for body in order {
-                if excess(self, body) < 0.1 * self.field.step {
+                if self.effort.low_level_expanded > most {
+                    return Ok(());
+                }
+                if excess(self, body) < WORTHWHILE * self.field.step {
                     continue;
                 }
                 let blockers: Vec<usize> =
@@ -196,7 +291,7 @@ impl<'a> Fleet<'a> {
         for member in &group {
             least -= self.alone[*member].cost;
             let below = before - after - least - 1e-6;
-            let found = self.replan(*member, 1.01, below, budget);
+            let found = self.replan(*member, GREED_LATE, LIMIT, below, budget);
             match found {
                 Ok(Some((way, _))) => {
                     after += way.cost;

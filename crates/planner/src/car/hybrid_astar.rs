@@ -39,7 +39,7 @@ pub(super) struct Ask<'a> {
     pub(super) weights: &'a [f64],
     pub(super) start: Place,
     pub(super) goal: Place,
-    /// The result may cost this many times the least that is found possible.
+    /// Factor on what lies ahead: the result may cost this many times the least that is found possible.
     pub(super) ratio: f64,
     /// No way that costs this or more is wanted.
     pub(super) below: f64,
@@ -119,12 +119,7 @@ struct Arrival {
 
 impl HybridAstar {
     pub(super) fn new() -> Self {
-        Self {
-            nodes: Vec::new(),
-            open: BinaryHeap::new(),
-            reached: Table::new(),
-            curves: Vec::new(),
-        }
+        Self { nodes: Vec::new(), open: BinaryHeap::new(), reached: Table::new(), curves: Vec::new() }
     }
 
     /// The cheapest way that was found.
@@ -151,10 +146,10 @@ impl HybridAstar {
             ahead: field.distance(&ask.start, &ask.goal),
         };
         self.nodes.push(root);
-        self.open.push(Open { total: root.ahead, cost: 0.0, node: 0 });
+        self.open.push(Open { total: ask.ratio * root.ahead, cost: 0.0, node: 0 });
         self.reached.improves(self.key(field, &root.place, 0, settled), 0.0);
         while let Some(top) = self.open.pop() {
-            if top.total * ask.ratio >= below || expanded >= ask.limit {
+            if top.total >= below || expanded >= ask.limit {
                 self.open.clear();
                 break;
             }
@@ -167,8 +162,9 @@ impl HybridAstar {
                 self.curves.extend_from_slice(list.as_slice());
                 node.ahead = list.as_slice().first().map_or(f64::INFINITY, |(price, _)| *price);
                 self.nodes[index as usize] = node;
-                if node.cost + node.ahead > top.total + REQUEUE {
-                    self.open.push(Open { total: node.cost + node.ahead, ..top });
+                let total = node.cost + ask.ratio * node.ahead;
+                if total > top.total + REQUEUE {
+                    self.open.push(Open { total, ..top });
                     continue;
                 }
             }
@@ -222,7 +218,17 @@ impl HybridAstar {
                 ask,
                 below,
                 settled,
-                Node { place, cost: cost + met, time: node.time + 1, parent: index, step, gear, curves: 0, first: 0, ahead },
+                Node {
+                    place,
+                    cost: cost + met,
+                    time: node.time + 1,
+                    parent: index,
+                    step,
+                    gear,
+                    curves: 0,
+                    first: 0,
+                    ahead,
+                },
             );
         }
         if (in_the_way || ask.thorough) && node.time < settled {
@@ -232,13 +238,7 @@ impl HybridAstar {
                 ask,
                 below,
                 settled,
-                Node {
-                    cost,
-                    time: node.time + 1,
-                    parent: index,
-                    step: WAIT,
-                    ..self.nodes[index as usize]
-                },
+                Node { cost, time: node.time + 1, parent: index, step: WAIT, ..self.nodes[index as usize] },
             );
         }
     }
@@ -248,7 +248,7 @@ impl HybridAstar {
             let key = self.key(ask.field, &node.place, node.time, settled);
             if self.reached.improves(key, node.cost as f32) {
                 let index = self.nodes.len() as u32;
-                self.open.push(Open { total: node.cost + node.ahead, cost: node.cost, node: index });
+                self.open.push(Open { total: node.cost + ask.ratio * node.ahead, cost: node.cost, node: index });
                 self.nodes.push(node);
             }
         }

@@ -42,7 +42,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { model: Model::Clcbs, improvements: 3 }
+        Self { model: Model::Clcbs, improvements: 2 }
     }
 }
 
