@@ -4,6 +4,7 @@
 pub mod capacity;
 pub mod conic;
 pub mod formation;
+pub mod grid;
 pub mod instance;
 pub mod outcome;
 pub mod plan;

@@ -68,8 +68,8 @@ pub trait Domain {
     /// ahead; together they must not lose a solution.
     fn split(&mut self, first: usize, second: usize, conflict: &Self::Conflict) -> [Bound<Self::Rule>; 2];
 
-    /// Whether a path that was planned without it obeys a rule that binds everyone. Only asked for other agents than the one
-    /// that the rule names. Domains whose rules bind one agent each keep this default.
+    /// Whether a path that was planned without it obeys a rule that binds everyone: agents whose path does need not be
+    /// planned again. Asked for the agent that the rule names, too. Domains whose rules bind one agent each keep this default.
     fn obeys(&self, agent: usize, path: &Self::Path, bound: &Bound<Self::Rule>) -> bool {
         let _ = (agent, path, bound);
         true
