@@ -5,6 +5,7 @@ pub mod capacity;
 pub mod conic;
 pub mod formation;
 pub mod generate;
+pub mod grid;
 pub mod instance;
 pub mod io;
 pub mod outcome;
