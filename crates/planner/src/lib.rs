@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod capacity;
+pub mod car;
 pub mod certify;
 pub mod conic;
 pub mod formation;

@@ -1,0 +1,313 @@
+//! A way for one body through the traffic of the others: hybrid-state A* over place, heading and time.
+//!
+//! # Source
+//! [CL-CBS] §IV-B, spatiotemporal hybrid-state A*: whole steps straight, left and right in both gears, and waiting; an
+//! analytic curve to the goal is tried wherever a state is expanded.
+//!
+//! # Deviations
+//! - The curve is tried with every word, not only the shortest, and the search goes on until no state could still lead to
+//!   a way that is cheaper by more than `ratio`: the first curve that fits is rarely the best.
+//! - A goal counts as reached only if nobody drives over it afterwards; the original forgets that.
+//! - After the last motion of the others time is no longer told apart, so that the search space is finite.
+//! - Meeting others costs what the caller says, which may be infinite.
+//! - Heuristics of new states are their parent's less the step, made exact when they come to be expanded.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::TAU;
+
+use super::curve::{Curve, Place, Segment, Steer, wrap};
+use super::field::Field;
+use super::steering;
+use super::table::Table;
+use super::traffic::Traffic;
+use super::way::{WAIT, Way, steps_of};
+use crate::search::{Budget, Spent};
+
+/// Headings that are told apart.
+const HEADINGS: f64 = 24.0;
+/// Cells per step length.
+const CELLS_PER_STEP: f64 = 1.0;
+/// Excess of a state's own total over what it was queued with that is not worth queueing it again.
+const REQUEUE: f64 = 1e-3;
+
+/// What is asked of the search.
+pub(super) struct Ask<'a> {
+    pub(super) field: &'a Field,
+    pub(super) traffic: &'a Traffic,
+    /// What a step costs in which one is in the way of a body, by body; 0 for the one that is planned.
+    pub(super) weights: &'a [f64],
+    pub(super) start: Place,
+    pub(super) goal: Place,
+    /// The result may cost this many times the least that is found possible.
+    pub(super) ratio: f64,
+    /// No way that costs this or more is wanted.
+    pub(super) below: f64,
+    /// Most states to expand.
+    pub(super) limit: u64,
+    /// Whether to wait and to reverse everywhere, not only where others are in the way.
+    pub(super) thorough: bool,
+}
+
+/// What the search found.
+pub(super) struct Found {
+    pub(super) way: Option<Way>,
+    /// Its cost and what meeting others costs.
+    pub(super) total: f64,
+    /// States that were expanded.
+    pub(super) expanded: u64,
+    /// Whether all that there is to search was searched.
+    pub(super) exhausted: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    place: Place,
+    /// Cost so far, meetings included.
+    cost: f64,
+    time: u32,
+    parent: u32,
+    step: Segment,
+    gear: i8,
+    /// How many curves from here were priced; until then `ahead` is no more than a bound.
+    curves: u8,
+    /// Where the first of them is kept.
+    first: u32,
+    ahead: f64,
+}
+
+/// Cheapest first, then the furthest, then the first that was made.
+#[derive(Clone, Copy, PartialEq)]
+struct Open {
+    total: f64,
+    cost: f64,
+    node: u32,
+}
+
+impl Eq for Open {}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other
+            .total
+            .total_cmp(&self.total)
+            .then_with(|| self.cost.total_cmp(&other.cost))
+            .then_with(|| other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Memory that searches use one after the other.
+pub(super) struct HybridAstar {
+    nodes: Vec<Node>,
+    open: BinaryHeap<Open>,
+    reached: Table,
+    curves: Vec<(f64, Curve)>,
+}
+
+/// A curve that reaches the goal.
+struct Arrival {
+    node: u32,
+    curve: Curve,
+    total: f64,
+}
+
+impl HybridAstar {
+    pub(super) fn new() -> Self {
+        Self {
+            nodes: Vec::new(),
+            open: BinaryHeap::new(),
+            reached: Table::new(),
+            curves: Vec::new(),
+        }
+    }
+
+    /// The cheapest way that was found.
+    pub(super) fn find(&mut self, ask: &Ask<'_>, budget: &Budget<'_>) -> Result<Found, Spent> {
+        let (field, traffic) = (ask.field, ask.traffic);
+        self.nodes.clear();
+        self.open.clear();
+        self.reached.clear();
+        self.curves.clear();
+        let parked = traffic.weigh_parked(field, ask.weights, &ask.goal);
+        let settled = traffic.settled() as u32;
+        let mut best: Option<Arrival> = None;
+        let mut below = ask.below;
+        let mut expanded = 0;
+        let root = Node {
+            place: ask.start,
+            cost: 0.0,
+            time: 0,
+            parent: u32::MAX,
+            step: WAIT,
+            gear: 0,
+            curves: 0,
+            first: 0,
+            ahead: field.distance(&ask.start, &ask.goal),
+        };
+        self.nodes.push(root);
+        self.open.push(Open { total: root.ahead, cost: 0.0, node: 0 });
+        self.reached.improves(self.key(field, &root.place, 0, settled), 0.0);
+        while let Some(top) = self.open.pop() {
+            if top.total * ask.ratio >= below || expanded >= ask.limit {
+                self.open.clear();
+                break;
+            }
+            let index = top.node;
+            let mut node = self.nodes[index as usize];
+            if node.curves == 0 {
+                let list = steering::cheapest(field, node.gear, &node.place, &ask.goal);
+                node.first = self.curves.len() as u32;
+                node.curves = list.as_slice().len() as u8;
+                self.curves.extend_from_slice(list.as_slice());
+                node.ahead = list.as_slice().first().map_or(f64::INFINITY, |(price, _)| *price);
+                self.nodes[index as usize] = node;
+                if node.cost + node.ahead > top.total + REQUEUE {
+                    self.open.push(Open { total: node.cost + node.ahead, ..top });
+                    continue;
+                }
+            }
+            budget.spend(1)?;
+            expanded += 1;
+            let mut hindered = false;
+            for i in node.first..node.first + u32::from(node.curves) {
+                let (price, curve) = self.curves[i as usize];
+                if node.cost + price >= below {
+                    break;
+                }
+                match follow(ask, &node, &curve, &parked, below) {
+                    Some(total) if total < below => {
+                        below = total;
+                        best = Some(Arrival { node: index, curve, total });
+                        hindered |= total > node.cost + price + 1e-9;
+                    }
+                    _ => hindered = true,
+                }
+            }
+            self.expand(ask, index, below, hindered, settled);
+        }
+        let exhausted = self.open.is_empty() && expanded < ask.limit;
+        let (way, total) = match best {
+            Some(arrival) => (Some(self.trace(ask, &arrival)), arrival.total),
+            None => (None, f64::INFINITY),
+        };
+        Ok(Found { way, total, expanded, exhausted })
+    }
+
+    fn expand(&mut self, ask: &Ask<'_>, index: u32, below: f64, hindered: bool, settled: u32) {
+        let (field, traffic) = (ask.field, ask.traffic);
+        let node = self.nodes[index as usize];
+        let mut in_the_way = hindered;
+        for (steer, sign) in field.primitives() {
+            if *sign < 0.0 && !ask.thorough && !in_the_way && node.gear >= 0 && node.time > 0 {
+                continue;
+            }
+            let step = Segment { steer: *steer, length: sign * field.step };
+            let (sin, cos) = field.step_sin_cos;
+            let place = node.place.moved(step, (sign * sin, cos));
+            let (price, gear) = field.cost(node.gear, step);
+            let cost = node.cost + price;
+            let ahead = (node.ahead - price).max(apart(&place, &ask.goal));
+            if cost + ahead >= below || !field.is_free(&node.place, step, &place) {
+                continue;
+            }
+            let met = traffic.weigh(field, ask.weights, &node.place, step, &place, node.time as usize);
+            in_the_way |= met > 0.0;
+            self.add(
+                ask,
+                below,
+                settled,
+                Node { place, cost: cost + met, time: node.time + 1, parent: index, step, gear, curves: 0, first: 0, ahead },
+            );
+        }
+        if (in_the_way || ask.thorough) && node.time < settled {
+            let met = traffic.weigh(field, ask.weights, &node.place, WAIT, &node.place, node.time as usize);
+            let cost = node.cost + field.step + met;
+            self.add(
+                ask,
+                below,
+                settled,
+                Node {
+                    cost,
+                    time: node.time + 1,
+                    parent: index,
+                    step: WAIT,
+                    ..self.nodes[index as usize]
+                },
+            );
+        }
+    }
+
+    fn add(&mut self, ask: &Ask<'_>, below: f64, settled: u32, node: Node) {
+        if node.cost + node.ahead < below {
+            let key = self.key(ask.field, &node.place, node.time, settled);
+            if self.reached.improves(key, node.cost as f32) {
+                let index = self.nodes.len() as u32;
+                self.open.push(Open { total: node.cost + node.ahead, cost: node.cost, node: index });
+                self.nodes.push(node);
+            }
+        }
+    }
+
+    /// What tells states apart.
+    #[expect(clippy::unused_self, reason = "reads as part of the search")]
+    #[inline]
+    fn key(&self, field: &Field, place: &Place, time: u32, settled: u32) -> u64 {
+        let cells = CELLS_PER_STEP / field.step;
+        let (x, y) = ((place.x * cells) as u64 & 0xf_ffff, (place.y * cells) as u64 & 0xf_ffff);
+        let heading = (wrap(place.yaw) * (HEADINGS / TAU)).floor() as i64 as u64 & 0xff;
+        (u64::from(time.min(settled)) & 0xffff) << 48 | x << 28 | y << 8 | heading
+    }
+
+    fn trace(&self, ask: &Ask<'_>, arrival: &Arrival) -> Way {
+        let mut steps: Vec<Segment> = Vec::new();
+        let mut at = arrival.node;
+        while let Some(node) = self.nodes.get(at as usize) {
+            if node.parent == u32::MAX {
+                break;
+            }
+            steps.push(node.step);
+            at = node.parent;
+        }
+        steps.reverse();
+        steps.extend(steps_of(&arrival.curve, ask.field.step));
+        Way::new(ask.field, ask.start, steps, ask.goal)
+    }
+}
+
+/// Distance of two places.
+fn apart(a: &Place, b: &Place) -> f64 {
+    ((a.x - b.x).powi(2) + (a.y - b.y).powi(2)).sqrt()
+}
+
+/// Cost of reaching the goal from `node` along `curve` and resting there; nothing where something fixed is in the way or
+/// it costs `below` or more.
+fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64) -> Option<f64> {
+    let field = ask.field;
+    let (mut at, mut cost, mut gear, mut time) = (node.place, node.cost, node.gear, node.time as usize);
+    let (sin, cos) = field.step_sin_cos;
+    for step in steps_of(curve, field.step) {
+        let whole = step.length.abs() == field.step;
+        let to = if whole && step.steer != Steer::Straight {
+            at.moved(step, (step.length.signum() * sin, cos))
+        } else {
+            at.after(step)
+        };
+        if !field.is_free(&at, step, &to) {
+            return None;
+        }
+        let (price, now) = field.cost(gear, step);
+        cost += price + ask.traffic.weigh(field, ask.weights, &at, step, &to, time);
+        if cost >= below {
+            return None;
+        }
+        (at, gear, time) = (to, now, time + 1);
+    }
+    let total = cost + parked[time.min(parked.len() - 1)];
+    (total < below).then_some(total)
+}
