@@ -119,12 +119,7 @@ struct Arrival {
 
 impl HybridAstar {
     pub(super) fn new() -> Self {
-        Self {
-            nodes: Vec::new(),
-            open: BinaryHeap::new(),
-            reached: Table::new(),
-            curves: Vec::new(),
-        }
+        Self { nodes: Vec::new(), open: BinaryHeap::new(), reached: Table::new(), curves: Vec::new() }
     }
 
     /// The cheapest way that was found.
@@ -222,7 +217,17 @@ impl HybridAstar {
                 ask,
                 below,
                 settled,
-                Node { place, cost: cost + met, time: node.time + 1, parent: index, step, gear, curves: 0, first: 0, ahead },
+                Node {
+                    place,
+                    cost: cost + met,
+                    time: node.time + 1,
+                    parent: index,
+                    step,
+                    gear,
+                    curves: 0,
+                    first: 0,
+                    ahead,
+                },
             );
         }
         if (in_the_way || ask.thorough) && node.time < settled {
@@ -232,13 +237,7 @@ impl HybridAstar {
                 ask,
                 below,
                 settled,
-                Node {
-                    cost,
-                    time: node.time + 1,
-                    parent: index,
-                    step: WAIT,
-                    ..self.nodes[index as usize]
-                },
+                Node { cost, time: node.time + 1, parent: index, step: WAIT, ..self.nodes[index as usize] },
             );
         }
     }

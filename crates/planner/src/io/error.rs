@@ -25,7 +25,8 @@ impl FormatError {
         Self::new(file, line, 1 + tail.chars().count(), problem)
     }
 
-    pub(crate) fn new(file: &str, line: usize, column: usize, problem: FormatProblem) -> Self {
+    /// The problem at a line and column, both counted from 1.
+    pub fn new(file: &str, line: usize, column: usize, problem: FormatProblem) -> Self {
         Self(Box::new(Details { file: file.to_owned(), line, column, problem }))
     }
 
