@@ -9,6 +9,7 @@ mod contact;
 mod experiments;
 mod flow;
 mod formation;
+mod formats;
 mod layering;
 mod missions;
 mod scenarios;
