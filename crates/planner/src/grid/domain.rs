@@ -19,6 +19,10 @@ use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
 /// Slots of the timetable that a search may need at most: with the states of the low level about half a gigabyte.
 const MOST_SLOTS: usize = 1 << 25;
 
+/// Steps of detour that a conflict is worth in a bounded search. Found by trial: more finds longer ways round what the tree
+/// resolves cheaply, less leaves it too much to resolve.
+const PRICE: u64 = 4;
+
 /// What an agent may or must do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
@@ -232,6 +236,7 @@ impl Domain for Grid {
             latest,
             closed: &self.closed,
             waypoints: &self.waypoints,
+            price: if query.weight > 1.0 { PRICE } else { u64::from(u16::MAX) },
             weight: query.weight,
             floor: query.floor,
             ceiling: query.ceiling,

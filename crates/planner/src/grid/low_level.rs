@@ -41,6 +41,8 @@ pub(super) struct Request<'a> {
     pub closed: &'a [u32],
     /// Where the agent has to be next, by step: (step, cell), steps descending; empty if it is free.
     pub waypoints: &'a [(u32, u32)],
+    /// How many steps of detour a conflict is worth.
+    pub price: u64,
     pub weight: f64,
     pub floor: f64,
     pub ceiling: f64,
@@ -67,6 +69,7 @@ struct State {
 pub(super) struct LowLevel {
     stamp: u32,
     cells: usize,
+    price: u64,
     states: Vec<State>,
     /// Those that are cheap enough: fewest conflicts, then least f, then most steps.
     focal: BinaryHeap<Reverse<(u64, u32)>>,
@@ -137,9 +140,8 @@ impl LowLevel {
                 }
                 allowed = upto;
             }
-            let Some(Reverse((key, index))) = self.focal.pop() else { continue };
-            let conflicts = (key >> 48) as u16;
-            let f = (key >> 24) as u32 & 0xff_ffff;
+            let Some(Reverse((_, index))) = self.focal.pop() else { continue };
+            let state = self.states[(index & !END) as usize];
             if index & END != 0 {
                 self.trace(space, last, index & !END, path);
                 if request.goal.is_none() {
@@ -147,14 +149,14 @@ impl LowLevel {
                         path.pop();
                     }
                 }
-                // `least` may have gone past the floor of what is open by the stale ends, never past the answer
-                let bound = f64::from(least).max(request.floor).min(f64::from(f)) as u32;
-                return Ok(Some(Answer { cost: f, lower_bound: bound }));
+                // ends that were met a second time may hold `least` back, never push it past the answer
+                let lower_bound = f64::from(least).max(request.floor).min(f64::from(state.cost)) as u32;
+                return Ok(Some(Answer { cost: state.cost, lower_bound }));
             }
-            let state = self.states[index as usize];
-            if !state.open || state.conflicts != conflicts || f != state.cost + height(index % cells as u32) {
+            if !state.open {
                 continue;
             }
+            let f = state.cost + height(index % cells as u32);
             budget.spend(1)?;
             self.expanded += 1;
             self.states[index as usize].open = false;
@@ -205,6 +207,7 @@ impl LowLevel {
     fn prepare(&mut self, table: &Timetable, request: &Request<'_>) {
         self.stamp = self.stamp.wrapping_add(1);
         self.cells = table.cells();
+        self.price = request.price;
         let size = table.layers() * self.cells;
         if self.stamp == 0 {
             self.states.fill(State::default());
@@ -299,7 +302,8 @@ impl LowLevel {
             let after = self.after.get(at / self.cells).copied().unwrap_or(0);
             conflicts = (conflicts + u64::from(after)).min(MOST);
         }
-        let key = conflicts << 48 | u64::from(f) << 24 | (0xff_ffff - u64::from(state.cost));
+        let rank = u64::from(f) + self.price * conflicts;
+        let key = rank.min(0xff_ffff) << 40 | conflicts << 24 | (0xff_ffff - u64::from(state.cost));
         self.focal.push(Reverse((key, index)));
     }
 

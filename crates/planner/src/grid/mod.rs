@@ -28,15 +28,17 @@ mod check;
 mod domain;
 mod low_level;
 mod narrow;
+mod ranked;
 mod space;
 mod timetable;
 
 use self::check::{Checked, check};
 use self::domain::{Grid, Path, Splits};
+use self::ranked::{Ranked, Wishes};
 use crate::instance::GridInstance;
 use crate::outcome::{Effort, Ended, Outcome, Reason};
 use crate::plan::{Claims, GridPlan, Plan, Route};
-use crate::search::{self, Budget, Found, Given, Planned, Settings};
+use crate::search::{self, Assignments, Budget, Found, Given, Planned, Settings};
 
 /// How to plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +56,16 @@ pub enum Planner {
     Cbs,
     /// The same, within a bound of the optimum.
     Ecbs,
+    /// Conflict-based search over a forest of assignments: optimal. The same as [`Planner::Cbs`]: whether goals are assigned is
+    /// the instance's to say.
+    CbsTa,
+    /// The same, within a bound of the optimum.
+    EcbsTa,
 }
 
 /// Finds a plan for an instance.
 pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) -> Ended<GridPlan> {
-    let Checked { space, starts, targets } = match check(instance, budget) {
+    let checked = match check(instance, budget) {
         Ok(Ok(checked)) => checked,
         Ok(Err(reasons)) => return Ended { outcome: Outcome::Infeasible(reasons), effort: Effort::default() },
         Err(search::Spent) => {
@@ -66,15 +73,20 @@ pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) ->
         }
     };
     let weight = match options.planner {
-        Planner::Cbs => 1.0,
-        Planner::Ecbs => options.bound,
+        Planner::Cbs | Planner::CbsTa => 1.0,
+        Planner::Ecbs | Planner::EcbsTa => options.bound,
     };
     let settings = Settings::within(weight);
     let optimal = settings.weight <= 1.0;
     let splits = Splits { disjoint: optimal, arrivals: true, narrow: optimal };
-    let goals = targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect();
+    let mut assignments: Box<dyn Assignments> = if instance.assignment {
+        Box::new(Ranked::new(Wishes::new(&checked)))
+    } else {
+        Box::new(Given::new(checked.targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect()))
+    };
+    let Checked { space, starts, targets } = checked;
     let mut grid = Grid::new(space, starts, targets, splits);
-    let (found, effort) = search::solve(&mut grid, &mut Given::new(goals), &settings, budget);
+    let (found, effort) = search::solve(&mut grid, &mut *assignments, &settings, budget);
     let outcome = match found {
         Found::Solved { goals, paths, lower_bound, .. } => {
             Outcome::Solved(plan(instance, &grid, &goals, &paths, lower_bound, settings.weight))
