@@ -107,6 +107,7 @@ pub(super) struct Grid {
     /// Goals of each agent; none for those that cannot be reached.
     targets: Vec<Vec<Option<Target>>>,
     splits: Splits,
+    rest_is_free: bool,
     table: Timetable,
     /// The paths that the table counts.
     counted: Vec<Option<Arc<Path>>>,
@@ -118,7 +119,13 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub(super) fn new(space: Space, starts: Vec<u32>, targets: Vec<Vec<Option<Target>>>, splits: Splits) -> Self {
+    pub(super) fn new(
+        space: Space,
+        starts: Vec<u32>,
+        targets: Vec<Vec<Option<Target>>>,
+        splits: Splits,
+        rest_is_free: bool,
+    ) -> Self {
         let cells = space.cells();
         let counted = starts.iter().map(|_| None).collect();
         Self {
@@ -126,6 +133,7 @@ impl Grid {
             starts,
             targets,
             splits,
+            rest_is_free,
             table: Timetable::new(cells),
             counted,
             low_level: LowLevel::default(),
@@ -189,8 +197,14 @@ impl Grid {
                         self.table.bar_move(step as usize, to, direction);
                     }
                 }
-                Rule::ArriveAfter { step } => earliest = earliest.max(step + 1),
-                Rule::ArriveBy { step, .. } if own => latest = latest.min(step),
+                Rule::ArriveAfter { step } => {
+                    earliest = earliest.max(step + 1);
+                    self.table.extend(step as usize + 2);
+                }
+                Rule::ArriveBy { step, .. } if own => {
+                    latest = latest.min(step);
+                    self.table.extend(step as usize + 2);
+                }
                 Rule::ArriveBy { step, cell } => {
                     self.closed.resize(self.space.cells(), NONE);
                     let from = &mut self.closed[cell as usize];
@@ -232,6 +246,7 @@ impl Domain for Grid {
         let request = Request {
             start: self.starts[query.agent],
             goal: target.as_ref().map(|target| (target.cell, &*target.distances)),
+            rest_is_free: self.rest_is_free,
             earliest,
             latest,
             closed: &self.closed,
@@ -249,7 +264,8 @@ impl Domain for Grid {
         let found = self.low_level.plan(&self.space, &self.table, &request, &mut self.cells, budget)?;
         let Some(answer) = found else { return Ok(None) };
         let mut narrow = Vec::new();
-        if self.splits.narrow && target.is_some() {
+        // where resting made the path longer than its cost, its alternatives are not looked for
+        if self.splits.narrow && target.is_some() && answer.cost as usize + 1 == self.cells.len() {
             narrow = self.narrow.find(&self.space, &self.table, &request, self.cells.len() - 1, budget)?;
         }
         let path = Path { cells: self.cells.clone(), has_goal: target.is_some(), narrow };

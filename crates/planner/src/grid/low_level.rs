@@ -33,6 +33,8 @@ pub(super) struct Request<'a> {
     pub start: u32,
     /// The goal with the distances to it; without one, an agent may end anywhere and each move costs 1.
     pub goal: Option<(u32, &'a [u32])>,
+    /// Whether waiting at the goal costs nothing.
+    pub rest_is_free: bool,
     /// The first step in which the agent may be at its goal for good.
     pub earliest: u32,
     /// The last step in which it may arrive.
@@ -57,7 +59,7 @@ pub(super) struct Answer {
 #[derive(Clone, Copy, Default)]
 struct State {
     stamp: u32,
-    /// Cost so far: the step for agents with a goal, moves for others.
+    /// Cost so far.
     cost: u32,
     conflicts: u16,
     via: u8,
@@ -181,9 +183,11 @@ impl LowLevel {
                 if rest == NONE || table.slot(next_layer, next).barred & CELL != 0 {
                     continue;
                 }
-                let cost = state.cost + u32::from(request.goal.is_some() || direction < MOVES);
+                let rests =
+                    direction == WAIT && request.goal.is_none_or(|(goal, _)| goal == cell && request.rest_is_free);
+                let cost = state.cost + u32::from(!rests);
                 let f = cost + rest;
-                if f > request.latest
+                if next_layer as u32 + rest > request.latest
                     || request.closed.get(next as usize).is_some_and(|&from| next_layer as u32 >= from)
                     || !reaches(space, request.waypoints, next_layer as u32, next)
                 {
@@ -266,7 +270,7 @@ impl LowLevel {
     /// Adds an end at an open state, if the agent may stay there.
     fn end(&mut self, request: &Request<'_>, last: usize, index: u32, cost: u32, allowed: u32) {
         let layer = index as usize / self.cells;
-        let may = if request.goal.is_some() { cost >= request.earliest } else { layer == last };
+        let may = if request.goal.is_some() { layer as u32 >= request.earliest } else { layer == last };
         let goal = request.goal.map(|(goal, _)| goal);
         let passed = request.waypoints.iter().all(|&(step, cell)| step <= layer as u32 || goal == Some(cell));
         if may && passed {
