@@ -1,6 +1,7 @@
 //! What a team can do together: formations, capacity, the programs that decide them, and plans for many agents.
 #![forbid(unsafe_code)]
 
+pub mod assign;
 pub mod capacity;
 pub mod car;
 pub mod certify;

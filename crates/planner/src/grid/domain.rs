@@ -19,6 +19,10 @@ use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
 /// Slots of the timetable that a search may need at most: with the states of the low level about half a gigabyte.
 const MOST_SLOTS: usize = 1 << 25;
 
+/// Steps of detour that a conflict is worth in a bounded search. Found by trial: more finds longer ways round what the tree
+/// resolves cheaply, less leaves it too much to resolve.
+const PRICE: u64 = 4;
+
 /// What an agent may or must do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
@@ -103,6 +107,7 @@ pub(super) struct Grid {
     /// Goals of each agent; none for those that cannot be reached.
     targets: Vec<Vec<Option<Target>>>,
     splits: Splits,
+    rest_is_free: bool,
     table: Timetable,
     /// The paths that the table counts.
     counted: Vec<Option<Arc<Path>>>,
@@ -114,7 +119,13 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub(super) fn new(space: Space, starts: Vec<u32>, targets: Vec<Vec<Option<Target>>>, splits: Splits) -> Self {
+    pub(super) fn new(
+        space: Space,
+        starts: Vec<u32>,
+        targets: Vec<Vec<Option<Target>>>,
+        splits: Splits,
+        rest_is_free: bool,
+    ) -> Self {
         let cells = space.cells();
         let counted = starts.iter().map(|_| None).collect();
         Self {
@@ -122,6 +133,7 @@ impl Grid {
             starts,
             targets,
             splits,
+            rest_is_free,
             table: Timetable::new(cells),
             counted,
             low_level: LowLevel::default(),
@@ -185,8 +197,14 @@ impl Grid {
                         self.table.bar_move(step as usize, to, direction);
                     }
                 }
-                Rule::ArriveAfter { step } => earliest = earliest.max(step + 1),
-                Rule::ArriveBy { step, .. } if own => latest = latest.min(step),
+                Rule::ArriveAfter { step } => {
+                    earliest = earliest.max(step + 1);
+                    self.table.extend(step as usize + 2);
+                }
+                Rule::ArriveBy { step, .. } if own => {
+                    latest = latest.min(step);
+                    self.table.extend(step as usize + 2);
+                }
                 Rule::ArriveBy { step, cell } => {
                     self.closed.resize(self.space.cells(), NONE);
                     let from = &mut self.closed[cell as usize];
@@ -228,10 +246,12 @@ impl Domain for Grid {
         let request = Request {
             start: self.starts[query.agent],
             goal: target.as_ref().map(|target| (target.cell, &*target.distances)),
+            rest_is_free: self.rest_is_free,
             earliest,
             latest,
             closed: &self.closed,
             waypoints: &self.waypoints,
+            price: if query.weight > 1.0 { PRICE } else { u64::from(u16::MAX) },
             weight: query.weight,
             floor: query.floor,
             ceiling: query.ceiling,
@@ -244,7 +264,8 @@ impl Domain for Grid {
         let found = self.low_level.plan(&self.space, &self.table, &request, &mut self.cells, budget)?;
         let Some(answer) = found else { return Ok(None) };
         let mut narrow = Vec::new();
-        if self.splits.narrow && target.is_some() {
+        // where resting made the path longer than its cost, its alternatives are not looked for
+        if self.splits.narrow && target.is_some() && answer.cost as usize + 1 == self.cells.len() {
             narrow = self.narrow.find(&self.space, &self.table, &request, self.cells.len() - 1, budget)?;
         }
         let path = Path { cells: self.cells.clone(), has_goal: target.is_some(), narrow };

@@ -33,6 +33,8 @@ pub(super) struct Request<'a> {
     pub start: u32,
     /// The goal with the distances to it; without one, an agent may end anywhere and each move costs 1.
     pub goal: Option<(u32, &'a [u32])>,
+    /// Whether waiting at the goal costs nothing.
+    pub rest_is_free: bool,
     /// The first step in which the agent may be at its goal for good.
     pub earliest: u32,
     /// The last step in which it may arrive.
@@ -41,6 +43,8 @@ pub(super) struct Request<'a> {
     pub closed: &'a [u32],
     /// Where the agent has to be next, by step: (step, cell), steps descending; empty if it is free.
     pub waypoints: &'a [(u32, u32)],
+    /// How many steps of detour a conflict is worth.
+    pub price: u64,
     pub weight: f64,
     pub floor: f64,
     pub ceiling: f64,
@@ -55,7 +59,7 @@ pub(super) struct Answer {
 #[derive(Clone, Copy, Default)]
 struct State {
     stamp: u32,
-    /// Cost so far: the step for agents with a goal, moves for others.
+    /// Cost so far.
     cost: u32,
     conflicts: u16,
     via: u8,
@@ -67,6 +71,7 @@ struct State {
 pub(super) struct LowLevel {
     stamp: u32,
     cells: usize,
+    price: u64,
     states: Vec<State>,
     /// Those that are cheap enough: fewest conflicts, then least f, then most steps.
     focal: BinaryHeap<Reverse<(u64, u32)>>,
@@ -137,9 +142,8 @@ impl LowLevel {
                 }
                 allowed = upto;
             }
-            let Some(Reverse((key, index))) = self.focal.pop() else { continue };
-            let conflicts = (key >> 48) as u16;
-            let f = (key >> 24) as u32 & 0xff_ffff;
+            let Some(Reverse((_, index))) = self.focal.pop() else { continue };
+            let state = self.states[(index & !END) as usize];
             if index & END != 0 {
                 self.trace(space, last, index & !END, path);
                 if request.goal.is_none() {
@@ -147,14 +151,14 @@ impl LowLevel {
                         path.pop();
                     }
                 }
-                // `least` may have gone past the floor of what is open by the stale ends, never past the answer
-                let bound = f64::from(least).max(request.floor).min(f64::from(f)) as u32;
-                return Ok(Some(Answer { cost: f, lower_bound: bound }));
+                // ends that were met a second time may hold `least` back, never push it past the answer
+                let lower_bound = f64::from(least).max(request.floor).min(f64::from(state.cost)) as u32;
+                return Ok(Some(Answer { cost: state.cost, lower_bound }));
             }
-            let state = self.states[index as usize];
-            if !state.open || state.conflicts != conflicts || f != state.cost + height(index % cells as u32) {
+            if !state.open {
                 continue;
             }
+            let f = state.cost + height(index % cells as u32);
             budget.spend(1)?;
             self.expanded += 1;
             self.states[index as usize].open = false;
@@ -179,9 +183,11 @@ impl LowLevel {
                 if rest == NONE || table.slot(next_layer, next).barred & CELL != 0 {
                     continue;
                 }
-                let cost = state.cost + u32::from(request.goal.is_some() || direction < MOVES);
+                let rests =
+                    direction == WAIT && request.goal.is_none_or(|(goal, _)| goal == cell && request.rest_is_free);
+                let cost = state.cost + u32::from(!rests);
                 let f = cost + rest;
-                if f > request.latest
+                if next_layer as u32 + rest > request.latest
                     || request.closed.get(next as usize).is_some_and(|&from| next_layer as u32 >= from)
                     || !reaches(space, request.waypoints, next_layer as u32, next)
                 {
@@ -205,6 +211,7 @@ impl LowLevel {
     fn prepare(&mut self, table: &Timetable, request: &Request<'_>) {
         self.stamp = self.stamp.wrapping_add(1);
         self.cells = table.cells();
+        self.price = request.price;
         let size = table.layers() * self.cells;
         if self.stamp == 0 {
             self.states.fill(State::default());
@@ -263,7 +270,7 @@ impl LowLevel {
     /// Adds an end at an open state, if the agent may stay there.
     fn end(&mut self, request: &Request<'_>, last: usize, index: u32, cost: u32, allowed: u32) {
         let layer = index as usize / self.cells;
-        let may = if request.goal.is_some() { cost >= request.earliest } else { layer == last };
+        let may = if request.goal.is_some() { layer as u32 >= request.earliest } else { layer == last };
         let goal = request.goal.map(|(goal, _)| goal);
         let passed = request.waypoints.iter().all(|&(step, cell)| step <= layer as u32 || goal == Some(cell));
         if may && passed {
@@ -299,7 +306,8 @@ impl LowLevel {
             let after = self.after.get(at / self.cells).copied().unwrap_or(0);
             conflicts = (conflicts + u64::from(after)).min(MOST);
         }
-        let key = conflicts << 48 | u64::from(f) << 24 | (0xff_ffff - u64::from(state.cost));
+        let rank = u64::from(f) + self.price * conflicts;
+        let key = rank.min(0xff_ffff) << 40 | conflicts << 24 | (0xff_ffff - u64::from(state.cost));
         self.focal.push(Reverse((key, index)));
     }
 

@@ -1,7 +1,9 @@
 //! Plans for agents on a 4-connected grid.
 //!
 //! Agents move by one cell or wait in every step, never two in one cell, never two that swap theirs, and stay where they end.
-//! The cost of an agent is the step of its last arrival at its goal; an agent without a goal pays 1 for each move.
+//! The cost of an agent is the step of its last arrival at its goal. Where goals are assigned, costs are as in
+//! libMultiRobotPlanning: every step costs 1, but waiting at the goal costs nothing, even if the agent leaves it once more to
+//! make way; an agent without a goal pays for its moves only.
 //!
 //! ```
 //! use cohaul_planner::grid::{Options, Planner, solve};
@@ -28,15 +30,17 @@ mod check;
 mod domain;
 mod low_level;
 mod narrow;
+mod ranked;
 mod space;
 mod timetable;
 
 use self::check::{Checked, check};
 use self::domain::{Grid, Path, Splits};
+use self::ranked::{Ranked, Wishes};
 use crate::instance::GridInstance;
 use crate::outcome::{Effort, Ended, Outcome, Reason};
 use crate::plan::{Claims, GridPlan, Plan, Route};
-use crate::search::{self, Budget, Found, Given, Planned, Settings};
+use crate::search::{self, Assignments, Budget, Found, Given, Planned, Settings};
 
 /// How to plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +58,16 @@ pub enum Planner {
     Cbs,
     /// The same, within a bound of the optimum.
     Ecbs,
+    /// Conflict-based search over a forest of assignments: optimal. The same as [`Planner::Cbs`]: whether goals are assigned is
+    /// the instance's to say.
+    CbsTa,
+    /// The same, within a bound of the optimum.
+    EcbsTa,
 }
 
 /// Finds a plan for an instance.
 pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) -> Ended<GridPlan> {
-    let Checked { space, starts, targets } = match check(instance, budget) {
+    let checked = match check(instance, budget) {
         Ok(Ok(checked)) => checked,
         Ok(Err(reasons)) => return Ended { outcome: Outcome::Infeasible(reasons), effort: Effort::default() },
         Err(search::Spent) => {
@@ -66,15 +75,20 @@ pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) ->
         }
     };
     let weight = match options.planner {
-        Planner::Cbs => 1.0,
-        Planner::Ecbs => options.bound,
+        Planner::Cbs | Planner::CbsTa => 1.0,
+        Planner::Ecbs | Planner::EcbsTa => options.bound,
     };
     let settings = Settings::within(weight);
     let optimal = settings.weight <= 1.0;
     let splits = Splits { disjoint: optimal, arrivals: true, narrow: optimal };
-    let goals = targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect();
-    let mut grid = Grid::new(space, starts, targets, splits);
-    let (found, effort) = search::solve(&mut grid, &mut Given::new(goals), &settings, budget);
+    let mut assignments: Box<dyn Assignments> = if instance.assignment {
+        Box::new(Ranked::new(Wishes::new(&checked)))
+    } else {
+        Box::new(Given::new(checked.targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect()))
+    };
+    let Checked { space, starts, targets } = checked;
+    let mut grid = Grid::new(space, starts, targets, splits, instance.assignment);
+    let (found, effort) = search::solve(&mut grid, &mut *assignments, &settings, budget);
     let outcome = match found {
         Found::Solved { goals, paths, lower_bound, .. } => {
             Outcome::Solved(plan(instance, &grid, &goals, &paths, lower_bound, settings.weight))
@@ -94,7 +108,7 @@ fn plan(
     lower_bound: f64,
     bound: f64,
 ) -> GridPlan {
-    let mut cost = 0;
+    let (mut cost, mut flowtime) = (0, 0);
     let mut makespan = 0;
     let mut routes = Vec::with_capacity(paths.len());
     for ((agent, planned), &goal) in instance.agents.iter().zip(paths).zip(goals) {
@@ -105,8 +119,18 @@ fn plan(
         {
             cells = &cells[..cells.len() - 1];
         }
+        let at = cells.len() - 1;
+        // where goals are assigned, and for agents without one, waiting in the last cell costs nothing
+        let rests = |pair: &[u32]| pair[0] == pair[1] && (goal.is_none() || pair[0] == cells[at]);
+        let paid = cells.windows(2).filter(|pair| !rests(pair)).count();
         let moves = cells.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        cost += if goal.is_some() { cells.len() - 1 } else { moves };
+        let arrival = if goal.is_some() { at } else { moves };
+        flowtime += arrival;
+        cost += match goal {
+            Some(_) if !instance.assignment => arrival,
+            Some(_) => paid,
+            None => moves,
+        };
         makespan = makespan.max(cells.len() - 1);
         let states = cells.iter().map(|&cell| grid.space.cell(cell)).collect();
         routes.push(Route { name: agent.name.clone(), goal, states });
@@ -115,7 +139,7 @@ fn plan(
     let claims = Claims {
         cost: Some(cost),
         makespan: Some(makespan as f64),
-        flowtime: Some(cost),
+        flowtime: Some(flowtime as f64),
         lower_bound: Some(lower_bound.min(cost)),
         bound: Some(bound),
     };

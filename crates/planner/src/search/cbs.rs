@@ -135,7 +135,7 @@ impl<D: Domain> Forest<'_, D> {
                 agent,
                 goal: goals.get(agent).copied().flatten(),
                 rules: &[],
-                weight: self.search.settings.weight,
+                weight: 1.0,
                 floor: 0.0,
                 ceiling: 0.0,
             };
@@ -209,7 +209,7 @@ impl<'a, D: Domain> Search<'a, D> {
             let mut better = None;
             for branch in branches {
                 let Some(child) = self.child(index, &goals, &mut paths, &clashes, standing, branch)? else { continue };
-                if self.bypasses(&standing, &child) {
+                if self.bypasses(&standing, &child, &paths) {
                     better = Some(child);
                     break;
                 }
@@ -238,10 +238,16 @@ impl<'a, D: Domain> Search<'a, D> {
         }
     }
 
-    /// Whether a node with `standing` may take over the paths of a child without splitting.
-    fn bypasses(&self, standing: &Standing, child: &Node<D>) -> bool {
-        let limit = if self.settings.weight > 1.0 { self.open.limit(self.bound) } else { standing.cost };
-        child.standing.conflicts < standing.conflicts && child.standing.cost <= limit
+    /// Whether a node with these paths may take over those of a child without splitting: only paths that it could have had
+    /// itself.
+    fn bypasses(&self, standing: &Standing, child: &Node<D>, paths: &Paths<D::Path>) -> bool {
+        let weight = self.settings.weight;
+        let limit = if weight > 1.0 { self.open.limit(self.bound) } else { standing.cost };
+        let own = child.replaced.iter().all(|(agent, planned)| {
+            let old = paths[*agent as usize].as_ref();
+            old.is_some_and(|old| planned.cost <= (weight * old.lower_bound).max(old.cost))
+        });
+        own && child.standing.conflicts < standing.conflicts && child.standing.cost <= limit
     }
 
     /// The child of a node for a branch, `None` if there is no path for some agent. `paths` are those of the node.
@@ -301,7 +307,7 @@ impl<'a, D: Domain> Search<'a, D> {
             // what the other agents do not use of what they may
             let ceiling = if weight > 1.0 {
                 let (sum, _) = tree::sums(paths);
-                weight * standing.lower_bound - (sum - cost)
+                (weight * standing.lower_bound - (sum - cost)).min(0.0)
             } else {
                 0.0
             };
@@ -336,9 +342,6 @@ impl<'a, D: Domain> Search<'a, D> {
             let mut improved = false;
             for agent in 0..paths.len() {
                 let Some(old) = paths[agent].clone() else { continue };
-                if old.cost <= old.lower_bound {
-                    continue;
-                }
                 let query =
                     Query { agent, goal: goals[agent], rules: &[], paths, weight: 1.0, floor: 0.0, ceiling: old.cost };
                 let Some(new) = self.domain.plan(&query, self.budget)? else { continue };
