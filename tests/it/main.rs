@@ -4,6 +4,7 @@
 mod allocations;
 mod beyond;
 mod capacity;
+mod certify;
 mod compare;
 mod contact;
 mod experiments;
@@ -12,4 +13,5 @@ mod formation;
 mod layering;
 mod missions;
 mod scenarios;
+mod sweep;
 mod trials;

@@ -18,6 +18,7 @@ const bounds = (() => {
   };
   for (const load of loads) for (let i = 0; i < count; i++) add(load.x[i], load.y[i], radiusOf(load));
   for (const robot of robots) for (let i = 0; i < count; i++) add(robot.x[i], robot.y[i], robot.radius);
+  for (const robot of robots) if (robot.goal) add(robot.goal[0], robot.goal[1], robot.radius);
   for (const team of teams) {
     for (const [x, y] of team.waypoints) add(x, y, Math.max(team.tolerance, 0.2));
     for (const [x, y] of team.path) add(x, y);
@@ -36,12 +37,18 @@ const bounds = (() => {
   stage.style.setProperty("--aspect", Math.min(2.6, Math.max(1.35, aspect)).toFixed(3));
 }
 
+/// Pixels per metre that show everything.
+function fittedScale() {
+  const [x0, y0, x1, y1] = bounds;
+  return Math.min(surface.width / (x1 - x0), surface.height / (y1 - y0));
+}
+
 function fitView() {
   const [x0, y0, x1, y1] = bounds;
   view = {
     x: (x0 + x1) / 2,
     y: (y0 + y1) / 2,
-    scale: Math.min(surface.width / (x1 - x0), surface.height / (y1 - y0)),
+    scale: fittedScale(),
   };
   fitted = true;
 }
@@ -62,7 +69,7 @@ const toWorld = (px, py) => [
 
 function zoomAt(px, py, factor) {
   const [x, y] = toWorld(px, py);
-  view.scale = Math.min(5000, Math.max(2, view.scale * factor));
+  view.scale = Math.min(5000, Math.max(Math.min(2, fittedScale()), view.scale * factor));
   view.x = x - (px - surface.width / 2) / view.scale;
   view.y = y + (py - surface.height / 2) / view.scale;
   fitted = false;
@@ -381,7 +388,8 @@ function drawScale() {
   context.strokeStyle = colors.ink;
   context.lineWidth = 1.6;
   context.stroke();
-  label(step < 1 ? `${fixed(step * 100, 0)} cm` : `${fixed(step, 0)} m`, x - length / 2, y - 11, { size: 11 });
+  const unit = isGrid ? (step === 1 ? "cell" : "cells") : "m";
+  label(step < 1 && !isGrid ? `${fixed(step * 100, 0)} cm` : `${fixed(step, digitsOf(step))} ${unit}`, x - length / 2, y - 11, { size: 11 });
 }
 
 function drawUphill() {
@@ -402,12 +410,19 @@ function drawStage(now) {
   context.save();
   const ticks = drawGround();
   drawSurroundings();
-  drawTraces(now);
-  drawLoads(now);
-  drawWaypoints(now);
-  drawSlots(now);
-  ticks();
-  drawRobots(now);
+  if (isPlan) {
+    drawWays();
+    drawGoals();
+    ticks();
+    drawBodies(now);
+  } else {
+    drawTraces(now);
+    drawLoads(now);
+    drawWaypoints(now);
+    drawSlots(now);
+    ticks();
+    drawRobots(now);
+  }
   drawScale();
   drawUphill();
   context.restore();
