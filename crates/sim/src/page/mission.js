@@ -80,7 +80,8 @@ const robots = replay.robots.map((robot, i) => {
     else if (replay.phases[phase[k]] === "work" && role[k]) activity[k] = role[k] - 1;
     else activity[k] = HOLD;
   }
-  return { ...robot, ...columns, activity, number: i + 1 };
+  // what is said about a plan counts its agents from 0
+  return { ...robot, ...columns, activity, number: isPlan ? i : i + 1 };
 });
 const radiusOf = (load) => Math.max(0.05, ...load.polygon.map(([x, y]) => Math.hypot(x, y)));
 

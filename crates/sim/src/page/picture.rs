@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Activity, Frame, Replay, ReplayTeam, RobotFrame, escape};
+use super::{Activity, Frame, Kind, Replay, ReplayTeam, RobotFrame, escape};
 
 /// Width of the drawing, pixels.
 pub(super) const WIDTH: f64 = 1000.0;
@@ -159,7 +159,8 @@ impl Drawing {
         replay.obstacles.iter().flatten().for_each(|[x, y]| add(*x, *y, 0.0));
         let goals = replay.robots.iter().filter_map(|robot| Some((robot.goal?, robot.radius)));
         goals.for_each(|(goal, radius)| add(goal[0], goal[1], radius));
-        if let Some([x0, y0, x1, y1]) = replay.walls {
+        let map = if replay.kind == Kind::Plan { replay.workspace } else { None };
+        for [x0, y0, x1, y1] in [replay.walls, map].into_iter().flatten() {
             add(x0, y0, 0.0);
             add(x1, y1, 0.0);
         }
@@ -350,8 +351,11 @@ impl Drawing {
     pub(super) fn scale_bar(&mut self, y: f64, unit: &str) {
         let length = round_length(70.0 / self.scale);
         let bar = length * self.scale;
-        let name =
-            if length < 1.0 && unit == "m" { format!("{:.0} cm", length * 100.0) } else { format!("{length} {unit}") };
+        let name = if length < 1.0 && unit == "m" {
+            format!("{:.0} cm", length * 100.0)
+        } else {
+            format!("{length} {}", if length == 1.0 { unit.trim_end_matches('s') } else { unit })
+        };
         self.put(format_args!(
             "<path class=\"ink\" d=\"M{:.1} {:.1}v5h{bar:.1}v-5\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{name}</text>",
             WIDTH - 22.0 - bar,

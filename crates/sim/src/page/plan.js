@@ -119,9 +119,10 @@ function drawBodies(now) {
 function planLayout() {
   const { height } = chartSurface;
   const gap = 26;
-  const plot = Math.max(50, Math.min(130, height / 4));
+  const stripes = Math.min(22 * robots.length, Math.max(0.6 * height, 40));
+  const plot = Math.max(50, height - stripes - 3 * gap);
   const top = gap + plot + gap;
-  const barHeight = Math.min(14, Math.max(1, (height - top - 30) / Math.max(1, robots.length)));
+  const barHeight = Math.max(1, (height - top - gap) / Math.max(1, robots.length));
   const line = { title: `${isGrid ? "Agents" : "Robots"} on their way`, kind: "line", columns: [underway], factor: 1 };
   return [
     { ...line, ...limits([underway], 1, 1, true), top: gap, bottom: gap + plot },
@@ -144,7 +145,7 @@ function drawMoves(context, row) {
       context.fillRect(from, y, Math.max(0.6, timeToPixel(i < count ? times[i] : endTime) - from), height);
     }
     context.globalAlpha = 1;
-    if (row.barHeight >= 9) plotText(context, String(k + 1), GUTTER - 6, y + row.barHeight / 2, "right", colors.muted, 400, 9);
+    if (row.barHeight >= 9) plotText(context, String(robots[k].number), GUTTER - 6, y + row.barHeight / 2, "right", colors.muted, 400, 9);
   });
   context.fillStyle = colors.conflict;
   for (const conflict of replay.conflicts) {

@@ -166,7 +166,7 @@ fn legend(drawing: &mut Drawing, replay: &Replay) {
     let facts: Vec<String> = replay
         .outcome
         .iter()
-        .take(4)
+        .take(3)
         .map(|(name, value)| format!("{} {}", name.to_lowercase(), escape(value)))
         .collect();
     let facts = format!("{} · {}", escape(&replay.description), facts.join(" · "));

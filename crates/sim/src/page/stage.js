@@ -24,9 +24,11 @@ const bounds = (() => {
     for (const [x, y] of team.path) add(x, y);
   }
   for (const corners of replay.obstacles) for (const [x, y] of corners) add(x, y);
-  if (replay.walls) {
-    add(replay.walls[0], replay.walls[1]);
-    add(replay.walls[2], replay.walls[3]);
+  // the map of a plan
+  for (const map of [replay.walls, isPlan ? replay.workspace : null]) {
+    if (!map) continue;
+    add(map[0], map[1]);
+    add(map[2], map[3]);
   }
   if (!(box[0] <= box[2])) add(0, 0, 1);
   const margin = 0.03 * Math.max(box[2] - box[0], box[3] - box[1]) + 0.1;
