@@ -4,6 +4,7 @@
 mod allocations;
 mod beyond;
 mod capacity;
+mod certify;
 mod compare;
 mod contact;
 mod experiments;
@@ -13,4 +14,5 @@ mod formats;
 mod layering;
 mod missions;
 mod scenarios;
+mod sweep;
 mod trials;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::agents::{Taker, check_assignment, matched};
 use super::assignment::cheapest;
-use super::claims::{self, Counted};
+use super::claims::{self, Counted, Range};
 use super::{Findings, Violation, ViolationKind, Work};
 use crate::instance::{Cell, GridAgent, GridInstance};
 use crate::plan::{GridPlan, Route};
@@ -277,8 +277,8 @@ fn goal_of(instance: &GridInstance, given: &GridAgent, route: &Route<Cell>) -> O
 
 /// Cost, makespan and flowtime, by the last arrivals and, where goals are assigned, as libMultiRobotPlanning counts too.
 fn counted(instance: &GridInstance, routes: &[Option<&Route<Cell>>], time: f64) -> Counted {
-    let mut sums = [0.0; 2];
-    let mut most = [0.0_f64; 2];
+    let (mut sums, mut most) = ([0.0; 2], [0.0_f64; 2]);
+    let mut last = 0.0_f64;
     for (given, route) in instance.agents.iter().zip(routes) {
         let Some(route) = route else { continue };
         let Some(end) = route.states.last() else { continue };
@@ -286,22 +286,20 @@ fn counted(instance: &GridInstance, routes: &[Option<&Route<Cell>>], time: f64) 
         let goal = goal_of(instance, given, route);
         let is_free = |pair: &[Cell]| pair[0] == pair[1] && goal.is_none_or(|goal| goal == pair[0]);
         let charged = route.states.windows(2).filter(|pair| !is_free(pair)).count();
-        for (way, steps) in [arrival, charged].into_iter().enumerate() {
+        last = last.max(arrival as f64);
+        let arrived = if goal.is_some() { arrival } else { charged };
+        for (way, steps) in [arrived, charged].into_iter().enumerate() {
             sums[way] += steps as f64;
             most[way] = most[way].max(steps as f64);
         }
     }
+    let exactly = |value: f64| (value, value);
     let ways = if instance.assignment { 2 } else { 1 };
-    let ranges = |values: [f64; 2]| values.iter().take(ways).map(|value| (*value, *value)).collect::<Vec<_>>();
+    let sums: Vec<Range> = sums.into_iter().take(ways).map(exactly).collect();
+    let mut makespan = vec![exactly(last)];
+    makespan.extend(most.into_iter().filter(|most| instance.assignment && *most != last).map(exactly));
     // steps are whole numbers; what is left is how files write them
-    Counted {
-        cost: ranges(sums),
-        makespan: ranges(most),
-        flowtime: ranges(sums),
-        tolerance: 1e-6,
-        relative: 1e-9,
-        time,
-    }
+    Counted { cost: sums.clone(), makespan, flowtime: sums, tolerance: 1e-6, relative: 1e-9, time }
 }
 
 /// Sum of the shortest ways, under the cheapest assignment; nothing where that takes too much work.

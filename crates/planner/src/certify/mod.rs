@@ -152,9 +152,9 @@ impl fmt::Display for Violation {
 /// [`VIOLATIONS_MAX`].
 ///
 /// # Cost
-/// The sum over agents of the step of the last arrival; an agent without a goal arrives where it ends. Plans that assign
-/// goals may instead count as the program of libMultiRobotPlanning does: waiting in the goal is free, and so is waiting of
-/// agents without a goal. The claimed makespan and flowtime are held against the same two ways of counting.
+/// The sum over agents of the step of the last arrival; of an agent without a goal, its moves. Plans that assign goals may
+/// instead count as the programs of libMultiRobotPlanning do, where waiting in the goal is free even for those who leave it
+/// once more. The makespan is the step of the last arrival of all, or the dearest agent's cost where goals are assigned.
 ///
 /// ```
 /// use cohaul_planner::certify;
