@@ -190,7 +190,8 @@ fn plan(document: &Document) -> bool {
     let budget = Budget::new(u64::MAX, &stop);
     let violations = match &document.instance {
         Instance::Grid(instance) => {
-            let Ended { outcome, .. } = grid::solve(instance, &grid_options(instance.assignment), &budget);
+            let Ended { outcome, .. } =
+                grid::solve(instance, &grid::Options { planner: grid::Planner::Ecbs, bound: 1.3 }, &budget);
             check_deadline(began);
             match outcome {
                 Outcome::Solved(plan) => certify::grid(instance, &plan),
@@ -209,10 +210,6 @@ fn plan(document: &Document) -> bool {
     };
     assert!(violations.is_empty(), "{}", violations[0]);
     true
-}
-
-fn grid_options(_assignment: bool) -> grid::Options {
-    grid::Options { planner: grid::Planner::Ecbs, bound: 1.3 }
 }
 
 fn check_deadline(began: f64) {
@@ -369,6 +366,66 @@ fn foreign_instances_are_read_and_written_again() {
             _ => panic!("{name}"),
         }
     }
+}
+
+fn cohaul(arguments: &[&str]) -> i32 {
+    let arguments = ["cohaul"].iter().chain(arguments).map(|text| (*text).to_owned()).collect();
+    cohaul_sim::cli::main(arguments, &|| false)
+}
+
+/// From nothing to a certified plan, for every kind that is generated.
+#[test]
+fn what_is_generated_is_planned_and_certified() {
+    let folder = std::env::temp_dir().join(format!("cohaul-formats-{}", std::process::id()));
+    let folder_text = folder.display().to_string();
+    for kind in ["grid", "grid-all", "grid-window", "movingai", "car"] {
+        let out = format!("{folder_text}/{kind}");
+        let size = if kind == "car" { "50" } else { "8" };
+        let size = ["--size", size, "--agents", "4", "--count", "2", "--seed", "5", "--out", &out];
+        assert_eq!(cohaul(&[&["generate", kind], &size[..]].concat()), 0);
+        let mut planned = 0;
+        for entry in fs::read_dir(&out).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "map") {
+                continue;
+            }
+            let (file, plan) = (path.display().to_string(), format!("{out}/plan"));
+            assert_eq!(cohaul(&["plan", &file, "--out", &plan, "--timeout", "20"]), 0, "{file}");
+            assert_eq!(cohaul(&["certify", &plan, "--instance", &file]), 0, "{file}");
+            planned += 1;
+        }
+        assert_eq!(planned, 2);
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn exit_statuses_say_how_it_went() {
+    let folder = std::env::temp_dir().join(format!("cohaul-statuses-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| {
+        fs::write(folder.join(name), text).unwrap();
+        folder.join(name).display().to_string()
+    };
+    let map = "map: {dimensions: [4, 1], obstacles: [[2, 0]]}\n";
+    let good = write("good.yaml", &format!("agents: [{{name: a, start: [0, 0], goal: [1, 0]}}]\n{map}"));
+    let walled = write("walled.yaml", &format!("agents: [{{name: a, start: [0, 0], goal: [3, 0]}}]\n{map}"));
+    let bad = write("bad.yaml", "agents: [");
+    let plan = write("plan.yaml", "schedule: {a: [{x: 0, y: 0, t: 0}, {x: 1, y: 0, t: 1}]}");
+    let jump = write("jump.yaml", "schedule: {a: [{x: 0, y: 0, t: 0}, {x: 3, y: 0, t: 1}]}");
+    assert_eq!(cohaul(&["plan", &good]), 0);
+    assert_eq!(cohaul(&["plan", &walled]), 1);
+    assert_eq!(cohaul(&["plan", &good, "--timeout", "0"]), 1);
+    assert_eq!(cohaul(&["plan", &bad]), 3);
+    assert_eq!(cohaul(&["plan", "no such file"]), 3);
+    assert_eq!(cohaul(&["plan", &plan]), 3);
+    assert_eq!(cohaul(&["plan", &good, "--planner", "cl-cbs"]), 2);
+    assert_eq!(cohaul(&["plan", &good, "--bound", "0.5"]), 2);
+    assert_eq!(cohaul(&["certify", &plan, "--instance", &good]), 0);
+    assert_eq!(cohaul(&["certify", &jump, "--instance", &good]), 1);
+    assert_eq!(cohaul(&["certify", &bad, "--instance", &good]), 3);
+    assert_eq!(cohaul(&["generate", "grid", "--agents", "0", "--out", &folder.display().to_string()]), 2);
+    fs::remove_dir_all(&folder).unwrap();
 }
 
 /// A hundred agents are read in well under a millisecond: planning small instances takes not much longer.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cohaul_core::se2;
+use cohaul_planner::certify::{self, Violation};
 use cohaul_planner::instance::{Instance, Obstacle};
 use cohaul_planner::io::{self, Document, FormatError, Heading, movingai, schedule};
 use cohaul_planner::outcome::{Effort, Ended, Outcome, Reason};
@@ -11,6 +12,7 @@ use cohaul_planner::search::Budget;
 use cohaul_planner::{car, grid};
 
 use crate::files::{self, FileError};
+use crate::page;
 use crate::stopwatch::Stopwatch;
 
 /// The searches by the names that the command has for them.
@@ -40,6 +42,7 @@ impl Planner {
     /// The usual one for an instance.
     pub const fn for_instance(instance: &Instance) -> Self {
         match instance {
+            Instance::Grid(grid) if grid.assignment => Self::Grid(grid::Planner::EcbsTa),
             Instance::Grid(_) => Self::Grid(grid::Planner::Ecbs),
             _ => Self::Car,
         }
@@ -113,6 +116,35 @@ impl AnyPlan {
         match self {
             Self::Grid(plan) => schedule::write_grid(plan, statistics),
             Self::Car(plan) => schedule::write_car(plan, heading, statistics),
+        }
+    }
+
+    /// What is wrong with it, by the certifier.
+    pub fn violations(&self, instance: &Instance, model: car::Model) -> Vec<Violation> {
+        match (self, instance) {
+            (Self::Grid(plan), Instance::Grid(instance)) => certify::grid(instance, plan),
+            (Self::Car(plan), Instance::Car(instance)) => {
+                let model = match model {
+                    car::Model::Clcbs => certify::Model::Clcbs,
+                    car::Model::Exact => certify::Model::Exact,
+                };
+                certify::car(instance, plan, model)
+            }
+            // plans are read and made for their instances
+            _ => Vec::new(),
+        }
+    }
+
+    /// A page that plays it, with what is wrong with it.
+    pub fn page(&self, title: &str, instance: &Instance, violations: &[Violation]) -> String {
+        match (self, instance) {
+            (Self::Grid(plan), Instance::Grid(instance)) => {
+                page::plan_page(title, page::Planned::Grid(instance, plan), violations)
+            }
+            (Self::Car(plan), Instance::Car(instance)) => {
+                page::plan_page(title, page::Planned::Car(instance, plan), violations)
+            }
+            _ => String::new(),
         }
     }
 

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cohaul_planner::certify::{self, Violation};
+use cohaul_planner::certify::Violation;
 use cohaul_planner::instance::Instance;
 use serde_json::{Value, json};
 
-use super::plan::{self, Model};
+use super::plan;
 use super::{DONE, FAILED, say};
-use crate::files::FileError;
+use crate::files::{self, FileError};
 use crate::planning::{self, AnyPlan};
 
 #[derive(Args)]
@@ -19,6 +19,9 @@ pub(super) struct Certify {
     /// The instance that the plan is for.
     #[arg(long = "instance", value_name = "FILE")]
     file: PathBuf,
+    /// Write a page that plays the plan and shows what is wrong with it, HTML.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     #[command(flatten)]
     instance: plan::Instance,
     /// Print one JSON object and nothing else.
@@ -30,18 +33,11 @@ pub(super) fn certify(arguments: &Certify) -> Result<i32, FileError> {
     let document = planning::read(&arguments.file, &arguments.instance.source())?;
     let instance = &document.instance;
     let plan = AnyPlan::read(&arguments.plan, &document)?;
-    let violations = match (instance, &plan) {
-        (Instance::Grid(instance), AnyPlan::Grid(plan)) => certify::grid(instance, plan),
-        (Instance::Car(instance), AnyPlan::Car(plan)) => {
-            let model = match arguments.instance.model {
-                Model::Clcbs => certify::Model::Clcbs,
-                Model::Exact => certify::Model::Exact,
-            };
-            certify::car(instance, plan, model)
-        }
-        // plans are read as the instance's kind has them
-        _ => Vec::new(),
-    };
+    let violations = plan.violations(instance, arguments.instance.touching());
+    if let Some(path) = &arguments.page {
+        let title = arguments.plan.file_stem().unwrap_or_default().display().to_string();
+        files::write_text(path, &plan.page(&title, instance, &violations))?;
+    }
     let ok = violations.is_empty();
     if arguments.json {
         let listed: Vec<Value> = violations.iter().map(|violation| as_json(violation, instance)).collect();

@@ -15,7 +15,7 @@ use crate::stopwatch::Stopwatch;
 
 /// When bodies count as touching.
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum Model {
+enum Model {
     /// As CL-CBS has it: discs at the ends of steps.
     Clcbs,
     /// Rectangles, all through every step.
@@ -35,10 +35,17 @@ pub(super) struct Instance {
     agents: Option<usize>,
     /// When bodies count as touching.
     #[arg(long, value_enum, default_value = "clcbs")]
-    pub(super) model: Model,
+    model: Model,
 }
 
 impl Instance {
+    pub(super) const fn touching(&self) -> car::Model {
+        match self.model {
+            Model::Clcbs => car::Model::Clcbs,
+            Model::Exact => car::Model::Exact,
+        }
+    }
+
     pub(super) fn source(&self) -> Source {
         Source { map: self.map.clone(), vehicle: self.vehicle.clone(), agents: self.agents }
     }
@@ -60,6 +67,9 @@ pub(super) struct Plan {
     /// Write the plan, in the layout of libMultiRobotPlanning.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write a page that plays the plan, HTML.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     #[command(flatten)]
     instance: Instance,
     /// Print one JSON object and nothing else.
@@ -87,10 +97,7 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
     let document = planning::read(&arguments.file, &arguments.instance.source())?;
     let instance = &document.instance;
     let planner = arguments.planner.unwrap_or_else(|| Planner::for_instance(instance));
-    let model = match arguments.instance.model {
-        Model::Clcbs => car::Model::Clcbs,
-        Model::Exact => car::Model::Exact,
-    };
+    let model = arguments.instance.touching();
     let request = Request { planner, bound: arguments.bound, model, timeout: arguments.timeout };
     let Some(answer) = planning::solve(instance, &request, &watch, interrupted) else {
         let usual = Planner::for_instance(instance).name();
@@ -107,6 +114,14 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
         (Outcome::Solved(plan), Some(path)) => {
             let statistics = Statistics { effort: answer.effort, runtime: Some(answer.runtime) };
             files::write_text(path, &plan.to_text(document.heading, &statistics))?;
+            Some(path)
+        }
+        _ => None,
+    };
+    let page = match (&answer.outcome, &arguments.page) {
+        (Outcome::Solved(plan), Some(path)) => {
+            let title = arguments.file.file_stem().unwrap_or_default().display().to_string();
+            files::write_text(path, &plan.page(&title, instance, &plan.violations(instance, model)))?;
             Some(path)
         }
         _ => None,
@@ -131,6 +146,7 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
             "cpu_s": Stopwatch::process_seconds(),
             "wall_s": watch.seconds().1,
             "plan": written,
+            "page": page,
         });
         object.extend(as_object(rest));
         say(&Value::Object(object).to_string());
@@ -140,8 +156,10 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
         for (label, value) in rows(&answer, &reasons, arguments.timeout) {
             say(&format!("  {label:<14}{value}"));
         }
-        if let Some(path) = written {
-            say(&format!("  {:<14}{}", "plan", path.display()));
+        for (label, path) in [("plan", written), ("page", page)] {
+            if let Some(path) = path {
+                say(&format!("  {label:<14}{}", path.display()));
+            }
         }
     }
     Ok(match answer.outcome {
