@@ -17,7 +17,7 @@ export MATURIN_NO_INSTALL_RUST := 1
 
 .PHONY: help
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-11s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 .PHONY: demo
 demo: ## build, run the flat, uphill and downhill missions, say where their pages are
@@ -52,6 +52,13 @@ install: $(VENV)/ready ## build the Python package and install it into .venv
 .PHONY: bench
 bench: ## measure speeds
 	cargo bench --locked --workspace
+
+.PHONY: bench-peers
+bench-peers: ## plan every instance in DIR, one CSV row each in out/bench-peers.csv; with PEERS=CSV, compare
+	@test -n "$(DIR)" || { echo "say which folder: make bench-peers DIR=…"; exit 2; }
+	cargo build --release --locked --workspace
+	.ci/bench-peers "$(DIR)" --out out/bench-peers.csv
+	$(if $(PEERS),.ci/compare-peers out/bench-peers.csv "$(PEERS)")
 
 .PHONY: results
 results: ## run the published experiments, write their report and its summary

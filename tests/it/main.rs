@@ -4,12 +4,15 @@
 mod allocations;
 mod beyond;
 mod capacity;
+mod certify;
 mod compare;
 mod contact;
 mod experiments;
 mod flow;
 mod formation;
+mod formats;
 mod layering;
 mod missions;
 mod scenarios;
+mod sweep;
 mod trials;

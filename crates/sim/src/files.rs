@@ -10,6 +10,8 @@ use cohaul_core::scenario::{self, Override, Parsed, ScenarioError};
 use cohaul_core::time::Time;
 use cohaul_planner::capacity::{self, Capacity, CapacityError};
 use cohaul_planner::formation::{self, FormationPlanError, ReformError};
+use cohaul_planner::generate::GenerateError;
+use cohaul_planner::io::FormatError;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -54,6 +56,12 @@ pub enum FileError {
     /// The trials in it are damaged, or others.
     #[error(transparent)]
     Trials(#[from] TrialError),
+    /// A planning instance or a plan that cannot be used.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// A planning instance that cannot be made.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
     /// A figure that cannot be drawn.
     #[error("figure: {0}")]
     Figure(String),
@@ -76,6 +84,39 @@ pub fn read_scenario(path: &Path, overrides: &[Override]) -> Result<Parsed, File
     // one byte more than allowed is enough to refuse the file
     file.take(scenario::MAX_BYTES as u64 + 1).read_to_end(&mut text).map_err(io_error("read", path))?;
     Ok(scenario::parse(&path.display().to_string(), &text, overrides)?)
+}
+
+/// The text of an instance or a plan.
+///
+/// # Errors
+/// A file that cannot be read, is not UTF-8, or is longer than is read.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    let file = File::open(path).map_err(io_error("read", path))?;
+    let most = cohaul_planner::io::MAX_BYTES as u64;
+    let length = file.metadata().map_or(0, |metadata| metadata.len()).min(most);
+    let mut text = Vec::with_capacity(length as usize + 1);
+    // one byte more than allowed is enough to refuse the file
+    file.take(most + 1).read_to_end(&mut text).map_err(io_error("read", path))?;
+    String::from_utf8(text).map_err(|error| {
+        let source = io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
+        FileError::Io { action: "read", path: path.to_owned(), source }
+    })
+}
+
+/// Writes a file.
+///
+/// # Errors
+/// One that cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write(path, text)
+}
+
+/// Makes a folder where there is none, with those that it lies in.
+///
+/// # Errors
+/// One that cannot be made.
+pub fn create_folder(path: &Path) -> Result<(), FileError> {
+    fs::create_dir_all(path).map_err(io_error("create", path))
 }
 
 /// The scenario of one seed, everything in `randomize` drawn from it, slots left open (`slots: auto`) chosen.

@@ -11,6 +11,7 @@ pub mod files;
 pub mod mission;
 pub mod outcome;
 pub mod page;
+pub mod planning;
 pub mod plot;
 pub mod recording;
 pub mod replay;

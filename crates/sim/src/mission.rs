@@ -93,6 +93,7 @@ impl Mission {
                     team: index,
                     radius: built.model.radius,
                     slot: Some(triple(&slot)),
+                    ..ReplayRobot::default()
                 });
             }
         }
@@ -118,6 +119,7 @@ impl Mission {
             events: self.events(),
             outcome: self.outcome.rows(),
             success: self.outcome.success,
+            ..Replay::default()
         })
     }
 

@@ -21,6 +21,11 @@ impl Stopwatch {
         Self { wall: Instant::now(), cpu: ProcessTime::now() }
     }
 
+    /// CPU time of the process since it began, s.
+    pub fn process_seconds() -> f64 {
+        ProcessTime::now().as_duration().as_secs_f64()
+    }
+
     /// CPU and wall time since the start, s.
     pub fn seconds(&self) -> (f64, f64) {
         (self.cpu.elapsed().as_secs_f64(), self.wall.elapsed().as_secs_f64())

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().collect();
     // the others are over soon, or have nothing to finish: they end at once
-    let finishes = arguments.get(1).is_some_and(|verb| verb == "run" || verb == "reproduce");
+    let finishes = arguments.get(1).is_some_and(|verb| matches!(verb.as_str(), "run" | "reproduce" | "plan"));
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     // without a handler Ctrl-C still ends the process, only less politely

@@ -4,8 +4,11 @@
 //! object goes to stdout and nothing else; progress goes to stderr, and only to a terminal.
 
 mod capacity;
+mod certify;
 mod check;
 mod compare;
+mod generate;
+mod plan;
 mod progress;
 mod recover;
 mod replay;
@@ -20,6 +23,8 @@ use cohaul_core::record::RecordError;
 use cohaul_core::scenario::{self, Override, Parsed, ScenarioError, Warning};
 use cohaul_planner::capacity::CapacityError;
 use cohaul_planner::formation::ReformError;
+use cohaul_planner::generate::GenerateError;
+use cohaul_planner::io::FormatError;
 use serde_json::{Map, Value, json};
 
 use crate::error::{SimError, chain};
@@ -60,6 +65,12 @@ enum Verb {
     Replay(replay::Replay),
     /// Make a valid log of an unfinished or damaged one.
     Recover(recover::Recover),
+    /// Plan ways for many agents: on grids, with goals to be assigned, for cars.
+    Plan(plan::Plan),
+    /// Check a plan independently of the planners, ours or a foreign one.
+    Certify(certify::Certify),
+    /// Make planning instances from a seed.
+    Generate(generate::Generate),
     /// Compare two sets of trials pair by pair, or the ways that loads took in two logs.
     Compare(compare::Compare),
 }
@@ -115,6 +126,9 @@ pub fn main(args: Vec<String>, interrupted: &dyn Fn() -> bool) -> i32 {
         }
         Verb::Replay(arguments) => (replay::replay(&arguments), arguments.json),
         Verb::Recover(arguments) => (recover::recover(&arguments), arguments.json),
+        Verb::Plan(arguments) => (plan::plan(&arguments, interrupted), arguments.json),
+        Verb::Certify(arguments) => (certify::certify(&arguments), arguments.json),
+        Verb::Generate(arguments) => (generate::generate(&arguments), arguments.json),
         Verb::Compare(arguments) => (compare::compare(&arguments), arguments.json),
     };
     done.unwrap_or_else(|error| report(&error, json))
@@ -184,6 +198,7 @@ fn remedy(error: &FileError) -> Option<String> {
     match error {
         FileError::Formation(error) | FileError::Capacity(CapacityError::Formation(error)) => Some(error.remedy()),
         FileError::Reform(ReformError::Formation(error)) => Some(error.remedy()),
+        FileError::Format(error) => Some(error.remedy()),
         _ => None,
     }
 }
@@ -197,8 +212,16 @@ fn report(error: &FileError, json: bool) -> i32 {
     if json {
         let object = scenario.map_or_else(
             || {
+                let place = match error {
+                    FileError::Format(error) => Some(error),
+                    _ => None,
+                };
                 json!({
-                    "message": chain(error), "file": null, "line": null, "column": null, "remedy": remedy(error),
+                    "message": place.map_or_else(|| chain(error), FormatError::message),
+                    "file": place.map(FormatError::file),
+                    "line": place.map(FormatError::line),
+                    "column": place.map(FormatError::column),
+                    "remedy": remedy(error),
                 })
             },
             |e| {
@@ -219,7 +242,8 @@ fn report(error: &FileError, json: bool) -> i32 {
         }
     }
     match error {
-        FileError::Trials(_) => BAD_INPUT,
+        FileError::Trials(_) | FileError::Format(_) => BAD_INPUT,
+        FileError::Generate(GenerateError::OutOfRange { .. }) => USAGE,
         FileError::Scenario(_) | FileError::Formation(_) | FileError::Capacity(_) => BAD_INPUT,
         FileError::Reform(ReformError::NoSuchRobot { .. } | ReformError::NoSuchTeam { .. }) => BAD_INPUT,
         FileError::Io { action: "read", .. } => BAD_INPUT,

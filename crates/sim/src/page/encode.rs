@@ -11,12 +11,14 @@ use cohaul_core::transport::primitive::{Primitive, Turn};
 use cohaul_core::transport::role::Role;
 use serde_json::{Value, json};
 
-use super::{Frame, Replay, RobotFrame, TeamFrame};
+use super::{Frame, Kind, Replay, RobotFrame, TeamFrame};
 
 /// Shortest time between two frames that are kept, s.
 const INTERVAL_MIN: f64 = 0.05;
 /// Frames times bodies that are kept; some 12 bytes each.
 const BODY_FRAMES_MAX: f64 = 100_000.0;
+/// The same for plans: between two states that are not neighbours a straight line would be wrong.
+const PLAN_BODY_FRAMES_MAX: f64 = 1_000_000.0;
 /// Largest quantised value; differences of two still fit 32 bits in JavaScript.
 const INTEGER_MAX: f64 = (1_i64 << 29) as f64;
 
@@ -27,7 +29,11 @@ const RATE: f64 = 1e-3;
 
 /// The frames that are kept, column by column.
 pub(super) fn frames(replay: &Replay) -> Value {
-    let frames = thinned(&replay.frames, replay.loads.len() + replay.robots.len());
+    let most = match replay.kind {
+        Kind::Mission => BODY_FRAMES_MAX,
+        Kind::Plan => PLAN_BODY_FRAMES_MAX,
+    };
+    let frames = thinned(&replay.frames, replay.loads.len() + replay.robots.len(), most);
     let loads: Vec<Value> = (0..replay.loads.len())
         .map(|load| {
             let poses: Vec<[f64; 3]> =
@@ -35,7 +41,7 @@ pub(super) fn frames(replay: &Replay) -> Value {
             pose_columns(&poses)
         })
         .collect();
-    let robots: Vec<Value> = (0..replay.robots.len()).map(|robot| robot_columns(&frames, robot)).collect();
+    let robots: Vec<Value> = (0..replay.robots.len()).map(|robot| robot_columns(replay.kind, &frames, robot)).collect();
     let teams: Vec<Value> = (0..replay.teams.len()).map(|team| team_columns(&frames, team)).collect();
     json!({
         "time": deltas(TIME, frames.iter().map(|f| f.time)),
@@ -46,11 +52,11 @@ pub(super) fn frames(replay: &Replay) -> Value {
 }
 
 /// The frames that are kept: the first, the last, and what lies far enough apart between them.
-fn thinned(frames: &[Frame], bodies: usize) -> Vec<&Frame> {
+fn thinned(frames: &[Frame], bodies: usize, most: f64) -> Vec<&Frame> {
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
         return Vec::new();
     };
-    let interval = ((last.time - first.time) * bodies as f64 / BODY_FRAMES_MAX).max(INTERVAL_MIN);
+    let interval = ((last.time - first.time) * bodies as f64 / most).max(INTERVAL_MIN);
     let mut kept = vec![first];
     let mut due = first.time + interval;
     for frame in frames.iter().skip(1) {
@@ -66,11 +72,15 @@ fn thinned(frames: &[Frame], bodies: usize) -> Vec<&Frame> {
     kept
 }
 
-fn robot_columns(frames: &[&Frame], robot: usize) -> Value {
+/// Robots of a plan have poses only.
+fn robot_columns(kind: Kind, frames: &[&Frame], robot: usize) -> Value {
     let lost = RobotFrame { pose: [f64::NAN; 3], ..RobotFrame::default() };
     let robot: Vec<RobotFrame> = frames.iter().map(|f| f.robots.get(robot).copied().unwrap_or(lost)).collect();
     let poses: Vec<[f64; 3]> = robot.iter().map(|r| r.pose).collect();
     let mut columns = pose_columns(&poses);
+    if kind == Kind::Plan {
+        return columns;
+    }
     columns["linear"] = deltas(RATE, robot.iter().map(|r| r.command[0]));
     columns["angular"] = deltas(RATE, robot.iter().map(|r| r.command[1]));
     columns["speed"] = deltas(RATE, robot.iter().map(|r| r.speed));
@@ -219,7 +229,7 @@ mod tests {
     fn thinning_keeps_the_ends_and_the_budget() {
         let frames: Vec<Frame> =
             (0..=60_000).map(|i| Frame { time: f64::from(i) * 0.025, ..Frame::default() }).collect();
-        let kept = thinned(&frames, 14);
+        let kept = thinned(&frames, 14, BODY_FRAMES_MAX);
         assert!((kept.len() as f64) * 14.0 < 1.01 * BODY_FRAMES_MAX, "{}", kept.len()); // the last frame may exceed
         assert_eq!((kept[0].time, kept[kept.len() - 1].time), (0.0, 1500.0));
     }

@@ -1,8 +1,11 @@
-// The mission as data: columns decoded into typed arrays, and what is true at any time.
+// The mission or plan as data: columns decoded into typed arrays, and what is true at any time.
 
 const byId = (id) => document.getElementById(id);
 const replay = JSON.parse(byId("replay").textContent);
 
+/// A plan has robots only, and its time runs in steps.
+const isPlan = replay.kind === "plan";
+const UNIT = isPlan ? "steps" : "s";
 const ACTIVITIES = ["push", "prevent", "support", "reposition", "hold"];
 const ACTIVITY_NAMES = ["Push", "Prevent", "Support", "Repositioning", "Hold"];
 const HOLD = 4;
@@ -66,7 +69,10 @@ const decode = (columns) =>
 const loads = replay.loads.map((load, i) => ({ ...load, ...decode(replay.frames.loads[i]) }));
 const teams = replay.teams.map((team, i) => ({ ...team, ...decode(replay.frames.teams[i]) }));
 const robots = replay.robots.map((robot, i) => {
-  const columns = decode(replay.frames.robots[i]);
+  // robots of a plan have neither role nor speed
+  const nothing = new Uint16Array(isPlan ? count : 0);
+  const lacking = isPlan ? Object.fromEntries(["linear", "angular", "speed", "role", "phase", "stop"].map((name) => [name, nothing])) : {};
+  const columns = { ...lacking, ...decode(replay.frames.robots[i]) };
   const activity = new Uint8Array(count);
   for (let k = 0; k < count; k++) {
     const { phase, role } = columns;
@@ -74,7 +80,8 @@ const robots = replay.robots.map((robot, i) => {
     else if (replay.phases[phase[k]] === "work" && role[k]) activity[k] = role[k] - 1;
     else activity[k] = HOLD;
   }
-  return { ...robot, ...columns, activity, number: i + 1 };
+  // what is said about a plan counts its agents from 0
+  return { ...robot, ...columns, activity, number: isPlan ? i : i + 1 };
 });
 const radiusOf = (load) => Math.max(0.05, ...load.polygon.map(([x, y]) => Math.hypot(x, y)));
 
@@ -144,7 +151,7 @@ const digitsOf = (step) => Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
 let colors = {};
 function readColors() {
   const style = getComputedStyle(document.documentElement);
-  const names = "page card ink muted line grid accent push prevent support reposition hold load load-line obstacle obstacle-line trace waypoint badge";
+  const names = "page card ink muted line grid accent push prevent support reposition hold load load-line obstacle obstacle-line trace waypoint badge conflict body-lightness";
   colors = Object.fromEntries(names.split(" ").map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 const activityColor = (activity) => colors[ACTIVITIES[activity]];

@@ -1,13 +1,16 @@
-//! A mission as one self-contained HTML page, and as a picture.
+//! A mission or a plan as one self-contained HTML page, and as a picture.
 //!
 //! [`Replay`] is plain data: whoever ran the mission fills it in, [`render`] makes the page that plays it in a browser and
-//! [`picture`] the drawing. Both are pure functions; the same replay gives the same bytes.
+//! [`picture`](fn@picture) the drawing. Both are pure functions; the same replay gives the same bytes. [`plan_page`] and
+//! [`plan_picture`](fn@plan_picture) do the same with a plan and what a certifier says of it.
 //!
 //! The page loads nothing from anywhere and its content security policy forbids that it does. It offers `window.cohaul`
 //! with `state()`, `seek(time)`, `play()` and `pause()` to those who embed it.
 
 mod encode;
 mod picture;
+mod plan;
+mod plan_picture;
 
 use cohaul_core::control::Phase;
 use cohaul_core::transport::primitive::Primitive;
@@ -15,10 +18,13 @@ use cohaul_core::transport::role::Role;
 use serde_json::{Value, json};
 
 pub use picture::picture;
+pub use plan::{Planned, plan_page, plan_picture};
 
 /// Everything the page shows of one mission.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replay {
+    /// What it is.
+    pub kind: Kind,
     /// Name of the mission.
     pub title: String,
     /// What the mission shows.
@@ -49,10 +55,35 @@ pub struct Replay {
     pub frames: Vec<Frame>,
     /// What is worth a mark on the time line.
     pub events: Vec<ReplayEvent>,
+    /// What is wrong, in the order of time.
+    pub conflicts: Vec<ReplayConflict>,
     /// Rows of the table of results: label and value.
     pub outcome: Vec<(String, String)>,
     /// Whether the mission succeeded.
     pub success: bool,
+}
+
+/// What a page shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    /// Robots that move loads; time in seconds.
+    #[default]
+    Mission,
+    /// A plan for many agents; time in steps. Robots have a colour each, and neither role nor speed.
+    Plan,
+}
+
+/// Something wrong with a plan.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReplayConflict {
+    /// When, in steps.
+    pub time: f64,
+    /// What kind of thing.
+    pub kind: String,
+    /// Indices of the robots concerned.
+    pub robots: Vec<usize>,
+    /// What exactly.
+    pub text: String,
 }
 
 /// A load of the mission.
@@ -75,6 +106,10 @@ pub struct ReplayRobot {
     pub radius: f64,
     /// Pose [x, y, yaw] of its slot in the frame of its team's load, m and rad.
     pub slot: Option<[f64; 3]>,
+    /// Corners of its body in its own frame, m; a disc if there are none.
+    pub polygon: Vec<[f64; 2]>,
+    /// Where it goes if that is its own matter, [x, y, yaw], m and rad.
+    pub goal: Option<[f64; 3]>,
 }
 
 /// A team of the mission.
@@ -149,8 +184,13 @@ pub struct ReplayEvent {
 const TEMPLATE: &str = include_str!("template.html");
 const STYLE: &str = include_str!("style.css");
 /// In this order they form one script.
-const SCRIPTS: [&str; 4] =
-    [include_str!("mission.js"), include_str!("stage.js"), include_str!("plots.js"), include_str!("player.js")];
+const SCRIPTS: [&str; 5] = [
+    include_str!("mission.js"),
+    include_str!("stage.js"),
+    include_str!("plots.js"),
+    include_str!("plan.js"),
+    include_str!("player.js"),
+];
 
 /// The complete HTML document that plays `replay`.
 ///
@@ -184,7 +224,11 @@ fn document(replay: &Replay) -> Value {
     let robots: Vec<Value> = replay
         .robots
         .iter()
-        .map(|r| json!({"name": r.name, "team": r.team, "radius": r.radius, "slot": r.slot}))
+        .map(|r| {
+            json!({
+                "name": r.name, "team": r.team, "radius": r.radius, "slot": r.slot, "polygon": r.polygon, "goal": r.goal,
+            })
+        })
         .collect();
     let teams: Vec<Value> = replay
         .teams
@@ -202,7 +246,17 @@ fn document(replay: &Replay) -> Value {
         .filter(|event| event.time.is_finite())
         .map(|event| json!([event.time, event.text]))
         .collect();
+    let conflicts: Vec<Value> = replay
+        .conflicts
+        .iter()
+        .filter(|conflict| conflict.time.is_finite())
+        .map(|c| json!({"time": c.time, "kind": c.kind, "robots": c.robots, "text": c.text}))
+        .collect();
     json!({
+        "kind": match replay.kind {
+            Kind::Mission => "mission",
+            Kind::Plan => "plan",
+        },
         "title": replay.title,
         "description": replay.description,
         "version": replay.version,
@@ -218,6 +272,7 @@ fn document(replay: &Replay) -> Value {
         "robots": robots,
         "teams": teams,
         "events": events,
+        "conflicts": conflicts,
         "outcome": replay.outcome,
         "success": replay.success,
         "roles": Role::ALL,

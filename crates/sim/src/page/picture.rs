@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::{Activity, Frame, Replay, ReplayTeam, RobotFrame, escape};
+use super::{Activity, Frame, Kind, Replay, ReplayTeam, RobotFrame, escape};
 
 /// Width of the drawing, pixels.
-const WIDTH: f64 = 1000.0;
+pub(super) const WIDTH: f64 = 1000.0;
 /// Least and greatest height of the map, pixels.
 const HEIGHT: [f64; 2] = [320.0, 900.0];
 /// Height of the legend below the map, pixels.
-const LEGEND: f64 = 46.0;
+pub(super) const LEGEND: f64 = 46.0;
 /// Space around what is drawn, m.
 const MARGIN: f64 = 0.25;
 /// Instants at which a load is drawn, at most.
@@ -127,18 +127,18 @@ fn radius(polygon: &[[f64; 2]]) -> f64 {
 }
 
 /// The SVG as it grows.
-struct Drawing {
+pub(super) struct Drawing {
     body: String,
     /// Lowest x and highest y, m.
     origin: [f64; 2],
     /// Pixels per metre.
-    scale: f64,
+    pub(super) scale: f64,
     /// Of the map, pixels.
-    height: f64,
+    pub(super) height: f64,
 }
 
 impl Drawing {
-    fn new(replay: &Replay, frames: &[&Frame]) -> Self {
+    pub(super) fn new(replay: &Replay, frames: &[&Frame]) -> Self {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         let mut add = |x: f64, y: f64, margin: f64| {
@@ -157,7 +157,10 @@ impl Drawing {
         }
         replay.teams.iter().for_each(|t| t.waypoints.iter().for_each(|[x, y]| add(*x, *y, t.tolerance.max(0.2))));
         replay.obstacles.iter().flatten().for_each(|[x, y]| add(*x, *y, 0.0));
-        if let Some([x0, y0, x1, y1]) = replay.walls {
+        let goals = replay.robots.iter().filter_map(|robot| Some((robot.goal?, robot.radius)));
+        goals.for_each(|(goal, radius)| add(goal[0], goal[1], radius));
+        let map = if replay.kind == Kind::Plan { replay.workspace } else { None };
+        for [x0, y0, x1, y1] in [replay.walls, map].into_iter().flatten() {
             add(x0, y0, 0.0);
             add(x1, y1, 0.0);
         }
@@ -171,17 +174,17 @@ impl Drawing {
         Self { body: String::new(), origin, scale, height }
     }
 
-    fn put(&mut self, arguments: std::fmt::Arguments<'_>) {
+    pub(super) fn put(&mut self, arguments: std::fmt::Arguments<'_>) {
         // writing into a string does not fail
         let _ = self.body.write_fmt(arguments);
         self.body.push('\n');
     }
 
-    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.origin[0]) * self.scale, (self.origin[1] - y) * self.scale]
     }
 
-    fn points(&self, points: impl IntoIterator<Item = [f64; 2]>) -> String {
+    pub(super) fn points(&self, points: impl IntoIterator<Item = [f64; 2]>) -> String {
         let mut text = String::new();
         for point in points {
             let [x, y] = self.pixel(point);
@@ -190,7 +193,7 @@ impl Drawing {
         text.trim_end().to_owned()
     }
 
-    fn surroundings(&mut self, replay: &Replay) {
+    pub(super) fn surroundings(&mut self, replay: &Replay) {
         let height = self.height;
         let step = round_length(110.0 / self.scale);
         let (columns, rows) = (WIDTH / self.scale / step, self.height / self.scale / step);
@@ -341,9 +344,18 @@ impl Drawing {
             ));
             x += 60.0 + 7.6 * name.len() as f64;
         }
+        self.scale_bar(y, "m");
+    }
+
+    /// At the right end of the legend, whose middle is at `y`.
+    pub(super) fn scale_bar(&mut self, y: f64, unit: &str) {
         let length = round_length(70.0 / self.scale);
         let bar = length * self.scale;
-        let name = if length < 1.0 { format!("{:.0} cm", length * 100.0) } else { format!("{length:.0} m") };
+        let name = if length < 1.0 && unit == "m" {
+            format!("{:.0} cm", length * 100.0)
+        } else {
+            format!("{length} {}", if length == 1.0 { unit.trim_end_matches('s') } else { unit })
+        };
         self.put(format_args!(
             "<path class=\"ink\" d=\"M{:.1} {:.1}v5h{bar:.1}v-5\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{name}</text>",
             WIDTH - 22.0 - bar,
@@ -353,7 +365,7 @@ impl Drawing {
         ));
     }
 
-    fn finish(self, title: &str) -> String {
+    pub(super) fn finish(self, title: &str) -> String {
         let height = self.height + LEGEND;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\">\n<title>{}</title>\n\
@@ -381,7 +393,7 @@ fn activity(frames: &[&Frame], index: usize, robot: usize) -> Activity {
 }
 
 /// A point of a body's frame in the world, m.
-fn place(pose: &[f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
+pub(super) fn place(pose: &[f64; 3], [x, y]: [f64; 2]) -> [f64; 2] {
     let (sine, cosine) = pose[2].sin_cos();
     [pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y]
 }

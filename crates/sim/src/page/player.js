@@ -4,8 +4,8 @@ const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const slider = byId("slider");
 let time = startTime;
 let playing = false;
-// the whole mission in some 40 s
-let speed = SPEEDS.find((s) => s >= (endTime - startTime) / 40) ?? SPEEDS[SPEEDS.length - 1];
+// the whole mission in some 40 s; a plan has less to look at
+let speed = SPEEDS.find((s) => s >= (endTime - startTime) / (isPlan ? 20 : 40)) ?? SPEEDS[SPEEDS.length - 1];
 let shown = snapshot(time);
 let pointer = null;
 
@@ -20,8 +20,8 @@ function show() {
   drawStage(shown);
   drawChart(shown);
   slider.value = String(time);
-  byId("clock").replaceChildren(fixed(time, 1), element("span", ` / ${fixed(endTime, 1)} s`));
-  slider.setAttribute("aria-valuetext", `${fixed(time, 1)} seconds`);
+  byId("clock").replaceChildren(fixed(time, 1), element("span", ` / ${fixed(endTime, isPlan ? 0 : 1)} ${UNIT}`));
+  slider.setAttribute("aria-valuetext", `${fixed(time, 1)} ${isPlan ? "steps" : "seconds"}`);
   showNow();
   showTip();
   for (const item of byId("events").children) item.classList.toggle("past", Number(item.dataset.time) <= time + 1e-6);
@@ -87,6 +87,10 @@ const readouts = teams.map((team) => {
 
 function showNow() {
   if (!count) return;
+  if (isPlan) {
+    showPlanNow(time);
+    return;
+  }
   readouts.forEach((fields, i) => {
     const team = shown.teams[i];
     const last = teams[i].waypoints.length - 1;
@@ -123,6 +127,7 @@ function showTip() {
 }
 
 function bodyUnder({ x: px, y: py }) {
+  if (isPlan) return planBodyUnder(px, py, shown);
   const [x, y] = toWorld(px, py);
   const poseRows = (pose) => [
     ["Position", `${fixed(pose.x, 3)}, ${fixed(pose.y, 3)} m`],
@@ -156,9 +161,20 @@ function bodyUnder({ x: px, y: py }) {
 }
 
 function writePage() {
+  if (isPlan) {
+    // the template speaks of missions
+    for (const spoken of document.querySelectorAll("[data-plan]")) spoken.textContent = spoken.dataset.plan;
+    for (const [id, name] of [["view", "Plan"], ["scene", "Bodies seen from above"], ["chart", "Who drives and who waits over time; a click seeks"]]) {
+      byId(id).setAttribute("aria-label", name);
+    }
+  }
   byId("title").textContent = replay.title;
   byId("description").textContent = replay.description;
-  const facts = [
+  const violations = `${replay.conflicts.length} ${replay.conflicts.length === 1 ? "violation" : "violations"}`;
+  const facts = isPlan ? [
+    [replay.success ? "✓ Certified" : `✗ ${violations}`, replay.success ? "good" : "bad"],
+    [`cohaul ${replay.version}`, ""],
+  ] : [
     [replay.success ? "✓ Succeeded" : "✗ Failed", replay.success ? "good" : "bad"],
     [`${sentence(replay.world)} world`, ""],
     [`${robots.length} ${robots.length === 1 ? "robot" : "robots"}`, ""],
@@ -172,36 +188,42 @@ function writePage() {
     byId("outcome").append(row);
   }
   byId("outcome-card").hidden = !replay.outcome.length;
-  byId("events-card").hidden = !replay.events.length;
-  for (const [at, text] of replay.events) {
+  const events = isPlan ? replay.conflicts.map((c) => [c.time, `${sentence(c.kind)}: ${c.text}`]) : replay.events;
+  byId("events-card").hidden = !events.length;
+  byId("events-card").classList.toggle("wrong", isPlan);
+  for (const [at, text] of events) {
     const item = element("li", null);
     item.dataset.time = at;
     const button = element("button", null, { type: "button", onclick: () => seek(at) });
-    button.append(element("time", `${fixed(at, 1)} s`), element("span", text));
+    button.append(element("time", isPlan ? `step ${fixed(at, 1)}` : `${fixed(at, 1)} s`), element("span", text));
     item.append(button);
     byId("events").append(item);
     const mark = element("i", null, { title: text });
     mark.style.left = `${(100 * (at - startTime)) / Math.max(1e-9, endTime - startTime)}%`;
     byId("marks").append(mark);
   }
-  const symbols = [
+  writeLegend();
+  for (const s of SPEEDS) byId("speed").append(element("option", `${s}×`, { value: String(s) }));
+  slider.min = String(startTime);
+  slider.max = String(endTime);
+  setSpeed(speed);
+}
+
+function writeLegend() {
+  const symbols = isPlan ? planSymbols() : [
     ...ACTIVITIES.map((name, i) => [ACTIVITY_NAMES[i], robotSymbol(name)]),
     ["Slot", '<circle cx="9" cy="9" r="7" fill="none" stroke="var(--muted)" stroke-dasharray="2 2.4"/>'],
     ["Way of the load", '<path d="M0 9h18" stroke="var(--trace)" stroke-width="2.5"/>'],
     ["Plan", '<path d="M0 9h18" stroke="var(--obstacle-line)" stroke-width="1.5" stroke-dasharray="5 4"/>'],
     ["Waypoint", '<circle cx="9" cy="9" r="7" fill="none" stroke="var(--waypoint)" stroke-dasharray="3 2"/><circle cx="9" cy="9" r="2.5" fill="none" stroke="var(--waypoint)" stroke-width="1.4"/>'],
   ];
-  for (const [name, drawing] of symbols) {
+  byId("legend").replaceChildren(...symbols.map(([name, drawing]) => {
     const item = element("li", null);
     // constant text, nothing of the mission
     item.innerHTML = `<svg viewBox="0 0 18 18" aria-hidden="true">${drawing}</svg>`;
     item.append(name);
-    byId("legend").append(item);
-  }
-  for (const s of SPEEDS) byId("speed").append(element("option", `${s}×`, { value: String(s) }));
-  slider.min = String(startTime);
-  slider.max = String(endTime);
-  setSpeed(speed);
+    return item;
+  }));
 }
 
 function robotSymbol(name) {
@@ -287,13 +309,14 @@ function listen() {
 
 function repaint() {
   readColors();
+  if (isPlan) writeLegend();
   resizeStage();
   paintChart();
   show();
 }
 
 window.cohaul = {
-  /// What is drawn: time and speed of the player, poses in m and rad.
+  /// What is drawn: time and speed of the player, poses in m and rad, which robots are part of a violation.
   state: () => ({
     time,
     startTime,
@@ -301,7 +324,8 @@ window.cohaul = {
     playing,
     speed,
     loads: shown.loads.map((pose) => ({ ...pose })),
-    robots: shown.robots.map(({ x, y, yaw, activity, phase }) => ({ x, y, yaw, activity: ACTIVITIES[activity], phase })),
+    robots: shown.robots.map(({ x, y, yaw, activity, phase }) => (isPlan ? { x, y, yaw } : { x, y, yaw, activity: ACTIVITIES[activity], phase })),
+    conflicts: [...robotsIn(conflictsAt(time))],
   }),
   seek,
   play,

@@ -29,6 +29,10 @@ function limits(columns, factor, fallback, withZero) {
 }
 
 function layout() {
+  if (isPlan) {
+    rows = planLayout();
+    return;
+  }
   const { height } = chartSurface;
   const gap = 26;
   const bars = robots.length + teams.length;
@@ -152,7 +156,8 @@ function paintChart() {
     }
     if (row.kind === "roles") {
       context.stroke();
-      drawRoles(context, row);
+      if (isPlan) drawMoves(context, row);
+      else drawRoles(context, row);
       continue;
     }
     const ticks = Math.round((row.high - row.low) / row.step);
@@ -188,7 +193,7 @@ function paintChart() {
   for (let t = Math.ceil(startTime / step) * step; t <= endTime + 1e-9; t += step) {
     plotText(context, fixed(t, digitsOf(step)), timeToPixel(t), last.bottom + 10, t - startTime < step / 2 ? "left" : "center");
   }
-  plotText(context, "time, s", 0, last.bottom + 10, "left");
+  plotText(context, isPlan ? "step" : "time, s", 0, last.bottom + 10, "left");
 }
 
 function drawChart(now) {
@@ -211,6 +216,10 @@ function drawChart(now) {
     context.fill();
   };
   if (!count) return;
+  if (isPlan) {
+    dot(rows[0], underway[frameAt(now.time)[0]], colors.accent);
+    return;
+  }
   const [heading, distance, speed] = rows;
   now.teams.forEach((team) => {
     dot(heading, team.headingError * DEGREES, colors.accent);

@@ -18,14 +18,17 @@ const bounds = (() => {
   };
   for (const load of loads) for (let i = 0; i < count; i++) add(load.x[i], load.y[i], radiusOf(load));
   for (const robot of robots) for (let i = 0; i < count; i++) add(robot.x[i], robot.y[i], robot.radius);
+  for (const robot of robots) if (robot.goal) add(robot.goal[0], robot.goal[1], robot.radius);
   for (const team of teams) {
     for (const [x, y] of team.waypoints) add(x, y, Math.max(team.tolerance, 0.2));
     for (const [x, y] of team.path) add(x, y);
   }
   for (const corners of replay.obstacles) for (const [x, y] of corners) add(x, y);
-  if (replay.walls) {
-    add(replay.walls[0], replay.walls[1]);
-    add(replay.walls[2], replay.walls[3]);
+  // the map of a plan
+  for (const map of [replay.walls, isPlan ? replay.workspace : null]) {
+    if (!map) continue;
+    add(map[0], map[1]);
+    add(map[2], map[3]);
   }
   if (!(box[0] <= box[2])) add(0, 0, 1);
   const margin = 0.03 * Math.max(box[2] - box[0], box[3] - box[1]) + 0.1;
@@ -36,12 +39,18 @@ const bounds = (() => {
   stage.style.setProperty("--aspect", Math.min(2.6, Math.max(1.35, aspect)).toFixed(3));
 }
 
+/// Pixels per metre that show everything.
+function fittedScale() {
+  const [x0, y0, x1, y1] = bounds;
+  return Math.min(surface.width / (x1 - x0), surface.height / (y1 - y0));
+}
+
 function fitView() {
   const [x0, y0, x1, y1] = bounds;
   view = {
     x: (x0 + x1) / 2,
     y: (y0 + y1) / 2,
-    scale: Math.min(surface.width / (x1 - x0), surface.height / (y1 - y0)),
+    scale: fittedScale(),
   };
   fitted = true;
 }
@@ -62,7 +71,7 @@ const toWorld = (px, py) => [
 
 function zoomAt(px, py, factor) {
   const [x, y] = toWorld(px, py);
-  view.scale = Math.min(5000, Math.max(2, view.scale * factor));
+  view.scale = Math.min(5000, Math.max(Math.min(2, fittedScale()), view.scale * factor));
   view.x = x - (px - surface.width / 2) / view.scale;
   view.y = y + (py - surface.height / 2) / view.scale;
   fitted = false;
@@ -381,7 +390,8 @@ function drawScale() {
   context.strokeStyle = colors.ink;
   context.lineWidth = 1.6;
   context.stroke();
-  label(step < 1 ? `${fixed(step * 100, 0)} cm` : `${fixed(step, 0)} m`, x - length / 2, y - 11, { size: 11 });
+  const unit = isGrid ? (step === 1 ? "cell" : "cells") : "m";
+  label(step < 1 && !isGrid ? `${fixed(step * 100, 0)} cm` : `${fixed(step, digitsOf(step))} ${unit}`, x - length / 2, y - 11, { size: 11 });
 }
 
 function drawUphill() {
@@ -402,12 +412,19 @@ function drawStage(now) {
   context.save();
   const ticks = drawGround();
   drawSurroundings();
-  drawTraces(now);
-  drawLoads(now);
-  drawWaypoints(now);
-  drawSlots(now);
-  ticks();
-  drawRobots(now);
+  if (isPlan) {
+    drawWays();
+    drawGoals();
+    ticks();
+    drawBodies(now);
+  } else {
+    drawTraces(now);
+    drawLoads(now);
+    drawWaypoints(now);
+    drawSlots(now);
+    ticks();
+    drawRobots(now);
+  }
   drawScale();
   drawUphill();
   context.restore();

@@ -99,3 +99,60 @@ fn a_robot_shows_what_it_does_before_its_role() {
     assert_eq!(robot(Phase::Hold), Activity::Hold);
     assert_eq!(robot(Phase::Done), Activity::Hold);
 }
+
+/// Two agents on a 3 × 2 grid of which the second drives through the first, and a hostile name.
+fn planned() -> (cohaul_planner::instance::GridInstance, cohaul_planner::plan::GridPlan) {
+    use cohaul_planner::instance::{Cell, GridAgent, GridInstance};
+    use cohaul_planner::plan::{Claims, GridPlan, Route};
+
+    let name = "</script><script>alert(1)</script>\u{1}";
+    let row = |cells: [i32; 3]| cells.map(|x| Cell { x, y: 0 }).to_vec();
+    let states = [row([0, 1, 2]), row([2, 1, 0])];
+    let agents = states.iter().map(|s| GridAgent { name: name.into(), start: s[0], goals: vec![s[2]] }).collect();
+    let instance = GridInstance { width: 3, height: 2, blocked: vec![false; 6], agents, assignment: false };
+    let routes = states.map(|states| Route { name: name.into(), goal: Some(0), states }).to_vec();
+    (instance, GridPlan { routes, claims: Claims::default() })
+}
+
+#[test]
+fn a_plan_has_a_page_and_a_picture_with_its_violations() {
+    let (instance, plan) = planned();
+    let planned = Planned::Grid(&instance, &plan);
+    let violations = cohaul_planner::certify::grid(&instance, &plan);
+    assert_eq!(violations.len(), 1);
+    let (html, svg) = (plan_page("two", planned, &violations), plan_picture("two", planned, &violations));
+    assert_eq!(html.matches("<script").count(), render(&Replay::default()).matches("<script").count());
+    assert!(html.contains("are both in (1, 0)") && svg.contains("are both in (1, 0)"));
+    assert!(svg.contains("1 violation<") && svg.contains("class=\"ring\""), "{svg}");
+    assert!(!svg.contains("<script") && !svg.contains('\u{1}'));
+    assert!(plan_picture("two", planned, &[]).contains(">certified<"));
+    assert_eq!(html, plan_page("two", planned, &violations));
+}
+
+/// Nothing that a plan can hold keeps it from being drawn.
+#[test]
+fn plans_that_make_no_sense_are_drawn() {
+    use cohaul_planner::instance::{CarInstance, Obstacle, Vehicle};
+    use cohaul_planner::plan::{CarPlan, Claims, Route};
+
+    let (mut instance, mut plan) = planned();
+    instance.width = i32::MIN;
+    plan.routes[0].states.clear();
+    plan.routes[1].goal = Some(9);
+    let drawn = plan_picture("x", Planned::Grid(&instance, &plan), &[]);
+    assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
+    let states = vec![cohaul_core::se2::pose(f64::NAN, 1e300, 0.0), cohaul_core::se2::pose(1.0, f64::INFINITY, 1.0)];
+    let routes = vec![Route { name: String::new(), goal: None, states }];
+    let instance = CarInstance {
+        width: f64::NAN,
+        height: 1.0,
+        obstacles: vec![Obstacle::Polygon(vec![])],
+        vehicle: Vehicle { front: f64::NAN, ..Vehicle::default() },
+        agents: vec![],
+        assignment: true,
+    };
+    let plan = CarPlan { routes, claims: Claims { cost: Some(f64::NAN), ..Claims::default() } };
+    let planned = Planned::Car(&instance, &plan);
+    assert!(plan_page("x", planned, &[]).ends_with("</html>\n"));
+    assert!(plan_picture("x", planned, &[]).ends_with("</svg>\n"));
+}

@@ -1,0 +1,247 @@
+//! `cohaul plan`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use cohaul_planner::car;
+use cohaul_planner::io::schedule::Statistics;
+use cohaul_planner::outcome::Outcome;
+use serde_json::{Value, json};
+
+use super::{DONE, FAILED, INTERRUPTED, USAGE, as_object, complain, say};
+use crate::files::{self, FileError};
+use crate::planning::{self, Answer, AnyPlan, Planner, Request, Source};
+use crate::stopwatch::Stopwatch;
+
+/// When bodies count as touching.
+#[derive(Clone, Copy, ValueEnum)]
+enum Model {
+    /// As CL-CBS has it: discs at the ends of steps.
+    Clcbs,
+    /// Rectangles, all through every step.
+    Exact,
+}
+
+#[derive(Args)]
+pub(super) struct Instance {
+    /// The map of a MovingAI scenario, instead of the one that it names.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// What the bodies are like, a config.yaml as CL-CBS has it, instead of what the instance says.
+    #[arg(long, value_name = "CONFIG")]
+    vehicle: Option<PathBuf>,
+    /// Only the first N agents.
+    #[arg(long, value_name = "N")]
+    agents: Option<usize>,
+    /// When bodies count as touching.
+    #[arg(long, value_enum, default_value = "clcbs")]
+    model: Model,
+}
+
+impl Instance {
+    pub(super) const fn touching(&self) -> car::Model {
+        match self.model {
+            Model::Clcbs => car::Model::Clcbs,
+            Model::Exact => car::Model::Exact,
+        }
+    }
+
+    pub(super) fn source(&self) -> Source {
+        Source { map: self.map.clone(), vehicle: self.vehicle.clone(), agents: self.agents }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct Plan {
+    /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map.
+    file: PathBuf,
+    /// Search: cbs or ecbs for grids (cbs-ta or ecbs-ta where goals are to be assigned), cl-cbs for bodies that drive.
+    #[arg(long, value_name = "NAME", value_parser = planner)]
+    planner: Option<Planner>,
+    /// By which factor the cost may exceed the lower bound.
+    #[arg(long, value_name = "W", default_value = "1.3", value_parser = bound)]
+    bound: f64,
+    /// CPU time after which to give up, s.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = timeout)]
+    timeout: f64,
+    /// Write the plan, in the layout of libMultiRobotPlanning.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write a page that plays the plan, HTML.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+    #[command(flatten)]
+    instance: Instance,
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+fn planner(text: &str) -> Result<Planner, String> {
+    let names: Vec<&str> = Planner::NAMES.iter().map(|(name, _)| *name).collect();
+    Planner::named(text).ok_or_else(|| format!("known are {}", names.join(", ")))
+}
+
+fn bound(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 1.0);
+    value.ok_or_else(|| "a bound is a number of at least 1".to_owned())
+}
+
+fn timeout(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
+    value.ok_or_else(|| "a time is a number of seconds, not negative".to_owned())
+}
+
+pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i32, FileError> {
+    let watch = Stopwatch::start();
+    let document = planning::read(&arguments.file, &arguments.instance.source())?;
+    let instance = &document.instance;
+    let planner = arguments.planner.unwrap_or_else(|| Planner::for_instance(instance));
+    let model = arguments.instance.touching();
+    let request = Request { planner, bound: arguments.bound, model, timeout: arguments.timeout };
+    let Some(answer) = planning::solve(instance, &request, &watch, interrupted) else {
+        let usual = Planner::for_instance(instance).name();
+        let message = format!("{} is not for an instance of this kind; use {usual}", planner.name());
+        if arguments.json {
+            let object = json!({"message": message, "file": null, "line": null, "column": null, "remedy": null});
+            say(&json!({ "error": object }).to_string());
+        } else {
+            complain(&format!("error: {message}"));
+        }
+        return Ok(USAGE);
+    };
+    let written = match (&answer.outcome, &arguments.out) {
+        (Outcome::Solved(plan), Some(path)) => {
+            let statistics = Statistics { effort: answer.effort, runtime: Some(answer.runtime) };
+            files::write_text(path, &plan.to_text(document.heading, &statistics))?;
+            Some(path)
+        }
+        _ => None,
+    };
+    let page = match (&answer.outcome, &arguments.page) {
+        (Outcome::Solved(plan), Some(path)) => {
+            let title = arguments.file.file_stem().unwrap_or_default().display().to_string();
+            files::write_text(path, &plan.page(&title, instance, &plan.violations(instance, model)))?;
+            Some(path)
+        }
+        _ => None,
+    };
+    let reasons: Vec<Value> = match &answer.outcome {
+        Outcome::Infeasible(reasons) => reasons
+            .iter()
+            .map(|reason| {
+                let agents: Vec<String> =
+                    reason.agents().iter().map(|agent| planning::name(instance, *agent)).collect();
+                json!({"kind": planning::kind(reason), "agents": agents, "detail": planning::explain(reason, instance)})
+            })
+            .collect(),
+        _ => Vec::new(),
+    };
+    if arguments.json {
+        let mut object = as_object(summary(&answer, &reasons, arguments.timeout));
+        let rest = json!({
+            "file": arguments.file,
+            "agents": instance.agents(),
+            "planner": planner.name(),
+            "cpu_s": Stopwatch::process_seconds(),
+            "wall_s": watch.seconds().1,
+            "plan": written,
+            "page": page,
+        });
+        object.extend(as_object(rest));
+        say(&Value::Object(object).to_string());
+    } else {
+        let agents = instance.agents();
+        say(&format!("{}: {agents} agents, {}", arguments.file.display(), planner.name()));
+        for (label, value) in rows(&answer, &reasons, arguments.timeout) {
+            say(&format!("  {label:<14}{value}"));
+        }
+        for (label, path) in [("plan", written), ("page", page)] {
+            if let Some(path) = path {
+                say(&format!("  {label:<14}{}", path.display()));
+            }
+        }
+    }
+    Ok(match answer.outcome {
+        _ if interrupted() => INTERRUPTED,
+        Outcome::Solved(_) => DONE,
+        _ => FAILED,
+    })
+}
+
+fn status(outcome: &Outcome<AnyPlan>) -> &'static str {
+    match outcome {
+        Outcome::Solved(_) => "solved",
+        Outcome::Infeasible(_) => "infeasible",
+        Outcome::BudgetSpent { .. } => "budget_spent",
+    }
+}
+
+/// Why there is no plan, in a line.
+fn reason(answer: &Answer, reasons: &[Value], timeout: f64) -> Option<String> {
+    match &answer.outcome {
+        Outcome::Solved(_) => None,
+        Outcome::Infeasible(_) => {
+            let details: Vec<&str> = reasons.iter().filter_map(|reason| reason["detail"].as_str()).collect();
+            Some(details.join("; "))
+        }
+        Outcome::BudgetSpent { .. } => {
+            Some(format!("stopped before an answer was found (limit {timeout} s of CPU time)"))
+        }
+    }
+}
+
+fn summary(answer: &Answer, reasons: &[Value], timeout: f64) -> Value {
+    let claims = match &answer.outcome {
+        Outcome::Solved(plan) => *plan.claims(),
+        Outcome::BudgetSpent { best_bound } => {
+            cohaul_planner::plan::Claims { lower_bound: Some(*best_bound), ..Default::default() }
+        }
+        Outcome::Infeasible(_) => Default::default(),
+    };
+    json!({
+        "status": status(&answer.outcome),
+        "reason": reason(answer, reasons, timeout),
+        "reasons": reasons,
+        "cost": claims.cost,
+        "lower_bound": claims.lower_bound,
+        "bound": claims.bound,
+        "makespan": claims.makespan,
+        "flowtime": claims.flowtime,
+        "runtime_s": answer.runtime,
+        "high_level_expanded": answer.effort.high_level_expanded,
+        "low_level_expanded": answer.effort.low_level_expanded,
+        "assignments": answer.effort.assignments,
+    })
+}
+
+fn rows(answer: &Answer, reasons: &[Value], timeout: f64) -> Vec<(&'static str, String)> {
+    let mut rows = vec![("status", status(&answer.outcome).replace('_', " "))];
+    if reasons.is_empty() {
+        rows.extend(reason(answer, reasons, timeout).map(|reason| ("because", reason)));
+    }
+    let details = reasons.iter().filter_map(|reason| reason["detail"].as_str());
+    rows.extend(details.map(|detail| ("because", detail.to_owned())));
+    if let Outcome::Solved(plan) = &answer.outcome {
+        let claims = plan.claims();
+        let numbers = [
+            ("cost", claims.cost),
+            ("lower bound", claims.lower_bound),
+            ("makespan", claims.makespan),
+            ("flowtime", claims.flowtime),
+        ];
+        // three digits are enough for people; files have all of them
+        rows.extend(numbers.into_iter().filter_map(|(label, value)| Some((label, three_digits(value?)))));
+    }
+    let effort = answer.effort;
+    rows.push((
+        "expanded",
+        format!("{} high level, {} low level", effort.high_level_expanded, effort.low_level_expanded),
+    ));
+    rows.push(("CPU time", format!("{:.4} s", answer.runtime)));
+    rows
+}
+
+fn three_digits(value: f64) -> String {
+    if value.fract() == 0.0 { value.to_string() } else { format!("{value:.3}") }
+}
