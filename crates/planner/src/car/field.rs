@@ -181,6 +181,18 @@ impl Field {
         self.near(place).iter().find(|solid| self.gap(**solid, place) <= 0.0).map(|solid| Blocked::By(*solid as usize))
     }
 
+    /// Whether a body of any heading whose reference point is within `slack` of (x, y) touches an obstacle.
+    pub(super) fn surely_blocked(&self, (x, y): (f64, f64), slack: f64) -> bool {
+        let rear = self.body.half_length - self.body.offset;
+        let front = self.body.half_length + self.body.offset;
+        let core = rear.min(front).min(self.body.half_width) - slack;
+        let place = Place { x: x.clamp(0.0, self.width), y: y.clamp(0.0, self.height), yaw: 0.0, cos: 1.0, sin: 0.0 };
+        self.near(&place).iter().any(|solid| match &self.solids[*solid as usize] {
+            Solid::Point { at, margin } => (at.0 - x).hypot(at.1 - y) < core + margin,
+            Solid::Polygon { corners, .. } => distance_to_polygon(corners, (x, y)) < core,
+        })
+    }
+
     /// Whether nothing fixed is in the way of `step`, which leads from `from` to `to`.
     #[inline]
     pub(super) fn is_free(&self, from: &Place, step: Segment, to: &Place) -> bool {
@@ -299,4 +311,19 @@ impl Field {
             Drive::Differential => &DIFFERENTIAL,
         }
     }
+}
+
+/// Distance of a point from a convex polygon, counter-clockwise; 0 within.
+fn distance_to_polygon(corners: &[(f64, f64)], (x, y): (f64, f64)) -> f64 {
+    let mut inside = true;
+    let mut nearest = f64::INFINITY;
+    for (i, (x1, y1)) in corners.iter().enumerate() {
+        let (x2, y2) = corners[(i + 1) % corners.len()];
+        let (ex, ey) = (x2 - x1, y2 - y1);
+        inside &= ex * (y - y1) - ey * (x - x1) >= 0.0;
+        let square = ex * ex + ey * ey;
+        let share = if square > 0.0 { (((x - x1) * ex + (y - y1) * ey) / square).clamp(0.0, 1.0) } else { 0.0 };
+        nearest = nearest.min((x1 + share * ex - x).hypot(y1 + share * ey - y));
+    }
+    if inside && !corners.is_empty() { 0.0 } else { nearest }
 }

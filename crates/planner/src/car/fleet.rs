@@ -12,9 +12,11 @@ use std::sync::Arc;
 
 use super::curve::Place;
 use super::field::Field;
-use super::hybrid_astar::{Ask, HybridAstar};
+use super::flood;
+use super::hybrid_astar::{Ask, Care, HybridAstar};
 use super::traffic::Traffic;
 use super::way::Way;
+use crate::instance::Drive;
 use crate::outcome::Effort;
 use crate::search::{Budget, Spent};
 
@@ -40,7 +42,8 @@ const MOST_WEIGHT: f64 = 200.0;
 #[derive(Clone, Copy)]
 pub(super) struct Task {
     pub(super) start: Place,
-    pub(super) goal: Place,
+    /// None: it only must not be in the way.
+    pub(super) goal: Option<Place>,
 }
 
 /// The planner of a whole fleet and its memory.
@@ -68,34 +71,57 @@ impl<'a> Fleet<'a> {
             alone: Vec::with_capacity(bodies),
             effort: Effort::default(),
         };
-        let empty = Traffic::new(bodies);
-        for (body, task) in tasks.iter().enumerate() {
-            let mut ask = Ask {
-                field,
-                traffic: &empty,
-                weights: &fleet.weights,
-                start: task.start,
-                goal: task.goal,
-                ratio: 1.0,
-                below: f64::INFINITY,
-                limit: LIMIT,
-                thorough: false,
-            };
-            let mut found = fleet.search.find(&ask, budget).map_err(Err)?;
-            fleet.effort.low_level_expanded += found.expanded;
-            if found.way.is_none() {
-                ask.thorough = true;
-                ask.limit = u64::MAX;
-                ask.ratio = 2.0;
-                found = fleet.search.find(&ask, budget).map_err(Err)?;
-                fleet.effort.low_level_expanded += found.expanded;
-            }
-            match found.way {
+        for body in 0..bodies {
+            match fleet.plan_alone(body, budget).map_err(Err)? {
                 Some(way) => fleet.alone.push(Arc::new(way)),
                 None => return Err(Ok(body)),
             }
         }
         Ok(fleet)
+    }
+
+    /// The best way of a body with nobody else there; nothing if there is none.
+    fn plan_alone(&mut self, body: usize, budget: &Budget<'_>) -> Result<Option<Way>, Spent> {
+        let task = self.tasks[body];
+        let Some(goal) = task.goal else { return Ok(Some(Way::resting(task.start))) };
+        let empty = Traffic::new(0);
+        let ask = |start, goal, ratio, limit, care| Ask {
+            field: self.field,
+            traffic: &empty,
+            weights: &[],
+            start,
+            goal: Some(goal),
+            rules: &[],
+            ratio,
+            below: f64::INFINITY,
+            limit,
+            care,
+        };
+        let found = self.search.find(&ask(task.start, goal, 1.0, LIMIT, Care::Quick), budget)?;
+        self.effort.low_level_expanded += found.expanded;
+        if found.way.is_some() || found.expanded == 0 {
+            return Ok(found.way);
+        }
+        if !flood::may_connect(self.field, &task.start, &goal, budget)? {
+            return Ok(None);
+        }
+        // from both ends in turn: the one that is walled in is searched to its end first
+        let mut limit = LIMIT;
+        loop {
+            let found = self.search.find(&ask(task.start, goal, 2.0, limit, Care::Thorough), budget)?;
+            self.effort.low_level_expanded += found.expanded;
+            if found.way.is_some() || found.exhausted {
+                return Ok(found.way);
+            }
+            if self.field.drive != Drive::ForwardCar {
+                let back = self.search.find(&ask(goal, task.start, 2.0, limit, Care::Thorough), budget)?;
+                self.effort.low_level_expanded += back.expanded;
+                if back.exhausted && back.way.is_none() {
+                    return Ok(None);
+                }
+            }
+            limit *= 4;
+        }
     }
 
     /// Plans `body` anew where meeting others costs `self.weights`; whether a way was found.
@@ -115,10 +141,11 @@ impl<'a> Fleet<'a> {
             weights: &self.weights,
             start: task.start,
             goal: task.goal,
+            rules: &[],
             ratio,
             below,
             limit,
-            thorough: false,
+            care: Care::Quick,
         };
         let found = self.search.find(&ask, budget);
         self.weights[body] = own;
@@ -127,13 +154,23 @@ impl<'a> Fleet<'a> {
         Ok(found.way.map(|way| (way, found.total)))
     }
 
-    /// Ways that do not meet, if negotiation finds them.
-    pub(super) fn negotiate(&mut self, budget: &Budget<'_>) -> Result<bool, Spent> {
+    /// Ways that do not meet, if negotiation finds them. In batches of `batch` bodies in the order of the instance, those of
+    /// earlier batches are never asked to make way again, unless nothing else helps.
+    pub(super) fn plan(&mut self, batch: usize, budget: &Budget<'_>) -> Result<bool, Spent> {
         let bodies = self.tasks.len();
-        for body in 0..bodies {
-            self.traffic.set(body, Some(self.alone[body].clone()));
+        let mut clean = true;
+        for first in (0..bodies).step_by(batch.max(1)) {
+            let last = (first + batch.max(1)).min(bodies);
+            for body in first..last {
+                self.traffic.set(body, Some(self.alone[body].clone()));
+            }
+            clean = self.negotiate((first..last).collect(), budget)? || self.repair(budget)?;
         }
-        let mut order: Vec<usize> = (0..bodies).collect();
+        Ok(clean)
+    }
+
+    /// Lets the bodies in `order` make way for each other and for all others that have a way.
+    fn negotiate(&mut self, mut order: Vec<usize>, budget: &Budget<'_>) -> Result<bool, Spent> {
         order.sort_by(|a, b| self.alone[*b].cost.total_cmp(&self.alone[*a].cost).then(a.cmp(b)));
         let mut weight = FIRST_WEIGHT * self.field.step;
         for round in 0..ROUNDS {
@@ -146,6 +183,7 @@ impl<'a> Fleet<'a> {
                     continue;
                 }
                 clean = false;
+                self.weights.fill(MOST_WEIGHT * self.field.step);
                 for (later, other) in order.iter().enumerate() {
                     // in the first round those that still come will give way themselves
                     self.weights[*other] = if round == 0 && later > rank { 0.3 * weight } else { weight };
@@ -162,7 +200,7 @@ impl<'a> Fleet<'a> {
             }
             weight = (weight * GROWTH).min(MOST_WEIGHT * self.field.step);
         }
-        self.repair(budget)
+        Ok(false)
     }
 
     /// Pairs whose ways meet, in order.
@@ -209,6 +247,7 @@ impl<'a> Fleet<'a> {
             for _ in 0..stuck.min(4) {
                 group.push(draw(self.tasks.len()));
             }
+            group.retain(|body| self.traffic.way(*body).is_some());
             let mut seen = Vec::new();
             group.retain(|body| {
                 !seen.contains(body) && {

@@ -16,6 +16,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
+use super::body::during;
 use super::curve::{Curve, Place, Segment, Steer, wrap};
 use super::field::Field;
 use super::steering;
@@ -38,15 +39,55 @@ pub(super) struct Ask<'a> {
     /// What a step costs in which one is in the way of a body, by body; 0 for the one that is planned.
     pub(super) weights: &'a [f64],
     pub(super) start: Place,
-    pub(super) goal: Place,
+    /// Where to; none: to any place where the body is not in the way.
+    pub(super) goal: Option<Place>,
+    /// Where not to be.
+    pub(super) rules: &'a [Avoid],
     /// Factor on what lies ahead: the result may cost this many times the least that is found possible.
     pub(super) ratio: f64,
     /// No way that costs this or more is wanted.
     pub(super) below: f64,
     /// Most states to expand.
     pub(super) limit: u64,
-    /// Whether to wait and to reverse everywhere, not only where others are in the way.
-    pub(super) thorough: bool,
+    pub(super) care: Care,
+}
+
+/// What the search leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Care {
+    /// It waits and reverses only where others are in the way; of the states in a cell it keeps the cheapest.
+    Quick,
+    /// It waits and reverses everywhere.
+    Thorough,
+    /// It keeps all states that are not the same, and what it says is ahead is never too much: its bound is one.
+    /// `ratio` then counts when the search ends, not in which order it goes.
+    Exact,
+}
+
+/// Where a body must not be at one moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Avoid {
+    /// The step after which, or in which, the moment is.
+    pub(super) time: u32,
+    /// Which share of the step has passed.
+    pub(super) share: f64,
+    /// The middle of what is forbidden.
+    pub(super) place: Place,
+    /// How far it reaches, for places.
+    pub(super) reach: f64,
+    /// What a radian of heading counts.
+    pub(super) lever: f64,
+}
+
+impl Avoid {
+    /// Whether a body that drives `step` from `from` in the step after `time` keeps to it.
+    fn allows(&self, from: &Place, step: Segment, time: u32) -> bool {
+        if time != self.time {
+            return true;
+        }
+        let at = if step.length == 0.0 { *from } else { during(from, step, self.share) };
+        apart(&at, &self.place) + self.lever * wrap(at.yaw - self.place.yaw).abs() >= self.reach
+    }
 }
 
 /// What the search found.
@@ -54,6 +95,8 @@ pub(super) struct Found {
     pub(super) way: Option<Way>,
     /// Its cost and what meeting others costs.
     pub(super) total: f64,
+    /// No way costs less, meetings included; of meaning with [`Care::Exact`] only.
+    pub(super) least: f64,
     /// States that were expanded.
     pub(super) expanded: u64,
     /// Whether all that there is to search was searched.
@@ -129,11 +172,17 @@ impl HybridAstar {
         self.open.clear();
         self.reached.clear();
         self.curves.clear();
-        let parked = traffic.weigh_parked(field, ask.weights, &ask.goal);
-        let settled = traffic.settled() as u32;
+        let parked = ask.goal.map_or_else(Vec::new, |goal| traffic.weigh_parked(field, ask.weights, &goal));
+        let last_rule = ask.rules.iter().map(|rule| rule.time + 1).max().unwrap_or(0);
+        let limits = Limits {
+            settled: (traffic.settled() as u32).max(last_rule),
+            order: if ask.care == Care::Exact { 1.0 } else { ask.ratio },
+            end: if ask.care == Care::Exact { ask.ratio } else { 1.0 },
+        };
         let mut best: Option<Arrival> = None;
         let mut below = ask.below;
         let mut expanded = 0;
+        let mut least = f64::INFINITY;
         let root = Node {
             place: ask.start,
             cost: 0.0,
@@ -143,26 +192,29 @@ impl HybridAstar {
             gear: 0,
             curves: 0,
             first: 0,
-            ahead: field.distance(&ask.start, &ask.goal),
+            ahead: ask.goal.map_or(0.0, |goal| field.distance(&ask.start, &goal)),
         };
         self.nodes.push(root);
-        self.open.push(Open { total: ask.ratio * root.ahead, cost: 0.0, node: 0 });
-        self.reached.improves(self.key(field, &root.place, 0, settled), 0.0);
+        self.open.push(Open { total: limits.order * root.ahead, cost: 0.0, node: 0 });
+        self.reached.improves(key(ask, &limits, &root), 0.0);
         while let Some(top) = self.open.pop() {
-            if top.total >= below || expanded >= ask.limit {
-                self.open.clear();
+            if top.total * limits.end >= below || expanded >= ask.limit {
+                least = top.total.min(below);
                 break;
             }
             let index = top.node;
             let mut node = self.nodes[index as usize];
-            if node.curves == 0 {
-                let list = steering::cheapest(field, node.gear, &node.place, &ask.goal);
+            if let Some(goal) = ask.goal
+                && node.curves == 0
+            {
+                let list = steering::cheapest(field, node.gear, &node.place, &goal);
                 node.first = self.curves.len() as u32;
                 node.curves = list.as_slice().len() as u8;
                 self.curves.extend_from_slice(list.as_slice());
-                node.ahead = list.as_slice().first().map_or(f64::INFINITY, |(price, _)| *price);
+                let price = list.as_slice().first().map_or(f64::INFINITY, |(price, _)| *price);
+                node.ahead = if ask.care == Care::Exact { field.distance(&node.place, &goal) } else { price };
                 self.nodes[index as usize] = node;
-                let total = node.cost + ask.ratio * node.ahead;
+                let total = node.cost + limits.order * node.ahead;
                 if total > top.total + REQUEUE {
                     self.open.push(Open { total, ..top });
                     continue;
@@ -171,6 +223,16 @@ impl HybridAstar {
             budget.spend(1)?;
             expanded += 1;
             let mut hindered = false;
+            if ask.goal.is_none() {
+                match rest(ask, &node) {
+                    total if total < below => {
+                        below = total;
+                        best = Some(Arrival { node: index, curve: Curve::new(&[]), total });
+                        hindered = total > node.cost;
+                    }
+                    _ => hindered = true,
+                }
+            }
             for i in node.first..node.first + u32::from(node.curves) {
                 let (price, curve) = self.curves[i as usize];
                 if node.cost + price >= below {
@@ -185,22 +247,23 @@ impl HybridAstar {
                     _ => hindered = true,
                 }
             }
-            self.expand(ask, index, below, hindered, settled);
+            self.expand(ask, index, below, hindered, &limits);
         }
-        let exhausted = self.open.is_empty() && expanded < ask.limit;
+        let exhausted = least == f64::INFINITY;
         let (way, total) = match best {
             Some(arrival) => (Some(self.trace(ask, &arrival)), arrival.total),
             None => (None, f64::INFINITY),
         };
-        Ok(Found { way, total, expanded, exhausted })
+        Ok(Found { way, total, least: least.min(total), expanded, exhausted })
     }
 
-    fn expand(&mut self, ask: &Ask<'_>, index: u32, below: f64, hindered: bool, settled: u32) {
+    fn expand(&mut self, ask: &Ask<'_>, index: u32, below: f64, hindered: bool, limits: &Limits) {
         let (field, traffic) = (ask.field, ask.traffic);
         let node = self.nodes[index as usize];
         let mut in_the_way = hindered;
+        let everything = ask.care != Care::Quick;
         for (steer, sign) in field.primitives() {
-            if *sign < 0.0 && !ask.thorough && !in_the_way && node.gear >= 0 && node.time > 0 {
+            if *sign < 0.0 && !everything && !in_the_way && node.gear >= 0 && node.time > 0 {
                 continue;
             }
             let step = Segment { steer: *steer, length: sign * field.step };
@@ -208,60 +271,37 @@ impl HybridAstar {
             let place = node.place.moved(step, (sign * sin, cos));
             let (price, gear) = field.cost(node.gear, step);
             let cost = node.cost + price;
-            let ahead = (node.ahead - price).max(apart(&place, &ask.goal));
-            if cost + ahead >= below || !field.is_free(&node.place, step, &place) {
+            let ahead = ask.goal.map_or(0.0, |goal| (node.ahead - price).max(apart(&place, &goal)));
+            if cost + ahead >= below || !field.is_free(&node.place, step, &place) || !keeps(ask, &node, step) {
+                in_the_way |= !ask.rules.is_empty();
                 continue;
             }
             let met = traffic.weigh(field, ask.weights, &node.place, step, &place, node.time as usize);
             in_the_way |= met > 0.0;
+            let time = node.time + 1;
+            let cost = cost + met;
             self.add(
                 ask,
                 below,
-                settled,
-                Node {
-                    place,
-                    cost: cost + met,
-                    time: node.time + 1,
-                    parent: index,
-                    step,
-                    gear,
-                    curves: 0,
-                    first: 0,
-                    ahead,
-                },
+                limits,
+                Node { place, cost, time, parent: index, step, gear, curves: 0, first: 0, ahead },
             );
         }
-        if (in_the_way || ask.thorough) && node.time < settled {
+        if (in_the_way || everything) && node.time < limits.settled && keeps(ask, &node, WAIT) {
             let met = traffic.weigh(field, ask.weights, &node.place, WAIT, &node.place, node.time as usize);
             let cost = node.cost + field.step + met;
-            self.add(
-                ask,
-                below,
-                settled,
-                Node { cost, time: node.time + 1, parent: index, step: WAIT, ..self.nodes[index as usize] },
-            );
+            let waited = Node { cost, time: node.time + 1, parent: index, step: WAIT, ..node };
+            self.add(ask, below, limits, waited);
         }
     }
 
-    fn add(&mut self, ask: &Ask<'_>, below: f64, settled: u32, node: Node) {
-        if node.cost + node.ahead < below {
-            let key = self.key(ask.field, &node.place, node.time, settled);
-            if self.reached.improves(key, node.cost as f32) {
-                let index = self.nodes.len() as u32;
-                self.open.push(Open { total: node.cost + ask.ratio * node.ahead, cost: node.cost, node: index });
-                self.nodes.push(node);
-            }
+    fn add(&mut self, ask: &Ask<'_>, below: f64, limits: &Limits, node: Node) {
+        if node.cost + node.ahead < below && self.reached.improves(key(ask, limits, &node), node.cost as f32) {
+            let index = self.nodes.len() as u32;
+            let total = node.cost + limits.order * node.ahead;
+            self.open.push(Open { total, cost: node.cost, node: index });
+            self.nodes.push(node);
         }
-    }
-
-    /// What tells states apart.
-    #[expect(clippy::unused_self, reason = "reads as part of the search")]
-    #[inline]
-    fn key(&self, field: &Field, place: &Place, time: u32, settled: u32) -> u64 {
-        let cells = CELLS_PER_STEP / field.step;
-        let (x, y) = ((place.x * cells) as u64 & 0xf_ffff, (place.y * cells) as u64 & 0xf_ffff);
-        let heading = (wrap(place.yaw) * (HEADINGS / TAU)).floor() as i64 as u64 & 0xff;
-        (u64::from(time.min(settled)) & 0xffff) << 48 | x << 28 | y << 8 | heading
     }
 
     fn trace(&self, ask: &Ask<'_>, arrival: &Arrival) -> Way {
@@ -278,6 +318,55 @@ impl HybridAstar {
         steps.extend(steps_of(&arrival.curve, ask.field.step));
         Way::new(ask.field, ask.start, steps, ask.goal)
     }
+}
+
+/// What a search goes by.
+struct Limits {
+    /// Step after which nothing changes any more.
+    settled: u32,
+    /// Factor on what lies ahead, for the order of states.
+    order: f64,
+    /// Factor on the first state in order, for the end of the search.
+    end: f64,
+}
+
+/// What tells states apart.
+#[inline]
+fn key(ask: &Ask<'_>, limits: &Limits, node: &Node) -> u64 {
+    let place = &node.place;
+    let time = u64::from(node.time.min(limits.settled)) & 0xffff;
+    if ask.care == Care::Exact {
+        // the same but for rounding; gears differ in what the next step costs
+        let fine = |value: f64| (value * 1e6).round() as i64 as u64;
+        let turned = fine(wrap(place.yaw)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let at = fine(place.x).wrapping_mul(0xc2b2_ae3d_27d4_eb4f) ^ fine(place.y).wrapping_mul(0x1656_67b1_9e37_79f9);
+        return at.rotate_left(17) ^ turned ^ time.wrapping_mul(0xff51_afd7_ed55_8ccd) ^ (node.gear as u64) << 40;
+    }
+    let cells = CELLS_PER_STEP / ask.field.step;
+    let (x, y) = ((place.x * cells) as u64 & 0xf_ffff, (place.y * cells) as u64 & 0xf_ffff);
+    let heading = (wrap(place.yaw) * (HEADINGS / TAU)).floor() as i64 as u64 & 0xff;
+    time << 48 | x << 28 | y << 8 | heading
+}
+
+/// Whether all rules allow `step` from `node`.
+#[inline]
+fn keeps(ask: &Ask<'_>, node: &Node, step: Segment) -> bool {
+    ask.rules.iter().all(|rule| rule.allows(&node.place, step, node.time))
+}
+
+/// Whether all rules allow to rest at `place` from `time` on.
+fn may_rest(ask: &Ask<'_>, place: &Place, time: u32) -> bool {
+    ask.rules.iter().all(|rule| rule.time < time || rule.allows(place, WAIT, rule.time))
+}
+
+/// Cost of resting at `node` for good.
+fn rest(ask: &Ask<'_>, node: &Node) -> f64 {
+    if !may_rest(ask, &node.place, node.time) {
+        return f64::INFINITY;
+    }
+    let met = (node.time as usize..=ask.traffic.settled())
+        .map(|time| ask.traffic.weigh(ask.field, ask.weights, &node.place, WAIT, &node.place, time));
+    node.cost + met.sum::<f64>()
 }
 
 /// Distance of two places.
@@ -298,7 +387,7 @@ fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64)
         } else {
             at.after(step)
         };
-        if !field.is_free(&at, step, &to) {
+        if !field.is_free(&at, step, &to) || !ask.rules.iter().all(|rule| rule.allows(&at, step, time as u32)) {
             return None;
         }
         let (price, now) = field.cost(gear, step);
@@ -309,5 +398,5 @@ fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64)
         (at, gear, time) = (to, now, time + 1);
     }
     let total = cost + parked[time.min(parked.len() - 1)];
-    (total < below).then_some(total)
+    (total < below && may_rest(ask, &at, time as u32)).then_some(total)
 }

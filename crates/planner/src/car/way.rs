@@ -23,8 +23,12 @@ impl Way {
         Self { places: vec![place], steps: Vec::new(), cost: 0.0, length: 0.0 }
     }
 
-    /// The way that `steps` make from `start`, and ends in `goal` (which they reach but for rounding).
-    pub(super) fn new(field: &Field, start: Place, steps: Vec<Segment>, goal: Place) -> Self {
+    /// The way that `steps` make from `start`; it ends in `goal`, if there is one (which they reach but for rounding).
+    pub(super) fn new(field: &Field, start: Place, mut steps: Vec<Segment>, goal: Option<Place>) -> Self {
+        // resting is no step
+        while steps.last().is_some_and(|step| step.length == 0.0) {
+            steps.pop();
+        }
         let mut places = Vec::with_capacity(steps.len() + 1);
         places.push(start);
         let (mut at, mut gear, mut cost, mut length) = (start, 0, 0.0, 0.0);
@@ -36,7 +40,7 @@ impl Way {
             gear = now;
             length += if step.length == 0.0 { field.step } else { step.length.abs() };
         }
-        if let Some(last) = places.last_mut() {
+        if let (Some(last), Some(goal)) = (places.last_mut(), goal) {
             *last = goal;
         }
         Self { places, steps, cost, length }

@@ -1,0 +1,101 @@
+//! What makes an instance unsolvable before anything is searched.
+
+use super::body::Body;
+use super::curve::Place;
+use super::field::{Blocked, Field};
+use super::{Model, Starts};
+use crate::instance::CarInstance;
+use crate::outcome::Reason;
+
+/// Places of starts and goals, and which goals can be taken at all.
+pub(super) struct Checked {
+    pub(super) starts: Vec<Place>,
+    /// By agent and goal of the agent; `None` where nobody can stand.
+    pub(super) goals: Vec<Vec<Option<Place>>>,
+}
+
+/// Looks at starts and goals: all reasons why there cannot be a plan.
+pub(super) fn check(field: &Field, instance: &CarInstance, rule: Starts) -> Result<Checked, Vec<Reason>> {
+    let mut reasons = Vec::new();
+    let starts: Vec<Place> = instance.agents.iter().map(|agent| field.place(&agent.start)).collect();
+    for (agent, start) in starts.iter().enumerate() {
+        match field.blocked(start) {
+            Some(Blocked::Outside) => reasons.push(Reason::StartOutside { agent }),
+            Some(Blocked::By(at)) if rule == Starts::Checked => {
+                reasons.push(Reason::StartBlocked { agent, obstacle: Some(at) });
+            }
+            _ => {}
+        }
+    }
+    let mut goals = Vec::with_capacity(starts.len());
+    for (agent, task) in instance.agents.iter().enumerate() {
+        let mut own = Vec::with_capacity(task.goals.len());
+        let mut blocked = Vec::new();
+        for (goal, pose) in task.goals.iter().enumerate() {
+            let place = field.place(pose);
+            own.push(match field.blocked(&place) {
+                None => Some(place),
+                Some(Blocked::Outside) => {
+                    blocked.push(Reason::GoalOutside { agent, goal });
+                    None
+                }
+                Some(Blocked::By(at)) => {
+                    blocked.push(Reason::GoalBlocked { agent, goal, obstacle: Some(at) });
+                    None
+                }
+            });
+        }
+        if !instance.assignment {
+            // its goal is its own: there is no other
+            own.truncate(1);
+            reasons.extend(blocked.into_iter().take(1));
+            if task.goals.is_empty() {
+                reasons.push(Reason::NoGoal { agent });
+            }
+        }
+        goals.push(own);
+    }
+    for (first, second) in close_pairs(field, &starts) {
+        reasons.push(Reason::StartsCollide { first, second });
+    }
+    if !instance.assignment {
+        let taken: Vec<(usize, Place)> = goals
+            .iter()
+            .enumerate()
+            .filter_map(|(agent, own)| Some((agent, own.first().copied().flatten()?)))
+            .collect();
+        let places: Vec<Place> = taken.iter().map(|(_, place)| *place).collect();
+        for (first, second) in close_pairs(field, &places) {
+            reasons.push(Reason::GoalsCollide { first: taken[first].0, second: taken[second].0 });
+        }
+    }
+    if reasons.is_empty() { Ok(Checked { starts, goals }) } else { Err(reasons) }
+}
+
+/// Whether two bodies cannot both rest at these places.
+pub(super) fn collide(field: &Field, a: &Place, b: &Place) -> bool {
+    match field.model {
+        Model::Clcbs => (a.x - b.x).powi(2) + (a.y - b.y).powi(2) < field.separation_squared,
+        Model::Exact => Body::gap(&field.body, a, b) <= 0.0,
+    }
+}
+
+/// Pairs of places that are too close to each other, found along x.
+fn close_pairs(field: &Field, places: &[Place]) -> Vec<(usize, usize)> {
+    let far = field.separation_squared.sqrt().max(2.0 * (field.body.radius + field.body.offset.abs()));
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|a, b| places[*a].x.total_cmp(&places[*b].x).then(a.cmp(b)));
+    let mut pairs = Vec::new();
+    for (i, a) in order.iter().enumerate() {
+        for b in &order[i + 1..] {
+            if places[*b].x - places[*a].x > far {
+                break;
+            }
+            if collide(field, &places[*a], &places[*b]) {
+                pairs.push((*a.min(b), *a.max(b)));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}

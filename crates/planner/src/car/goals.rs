@@ -1,0 +1,80 @@
+//! Who takes which goal, by what the way there costs a car.
+
+use super::check::{Checked, collide};
+use super::curve::Place;
+use super::field::Field;
+use crate::assign::{Costs, NextBest};
+use crate::search::{Assigned, Assignments, Budget, Spent};
+
+/// What an assignment of goals to cars is judged by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Metric {
+    /// Length of the shortest curve that the body can drive among no obstacles.
+    #[default]
+    Curve,
+    /// |Δx| + |Δy|, as on a grid: what a pipeline of two steps goes by, which assigns first and plans then.
+    Manhattan,
+}
+
+/// The goals of all agents as one list, the cheapest assignments first.
+pub(super) struct Ranked<'a> {
+    field: &'a Field,
+    places: Vec<Place>,
+    /// By agent and place of the list: which of the agent's goals is there.
+    which: Vec<Vec<Option<usize>>>,
+    next_best: NextBest,
+    /// Whether costs are bounds on what the ways cost.
+    bounds: bool,
+}
+
+impl<'a> Ranked<'a> {
+    /// Assignments without the pairs of agent and goal in `without`.
+    pub(super) fn new(field: &'a Field, checked: &Checked, metric: Metric, without: &[(usize, usize)]) -> Self {
+        let bits = |place: &Place| [place.x.to_bits(), place.y.to_bits(), place.cos.to_bits(), place.sin.to_bits()];
+        let mut places: Vec<Place> = checked.goals.iter().flatten().flatten().copied().collect();
+        places.sort_by_key(bits);
+        places.dedup_by_key(|place| bits(place));
+        let mut values = Vec::with_capacity(places.len() * checked.starts.len());
+        let mut which = Vec::with_capacity(checked.starts.len());
+        for (agent, (goals, start)) in checked.goals.iter().zip(&checked.starts).enumerate() {
+            let mut own = vec![None; places.len()];
+            let row = values.len();
+            values.resize(row + places.len(), f64::INFINITY);
+            for (goal, place) in goals.iter().enumerate() {
+                let Some(place) = place else { continue };
+                if without.contains(&(agent, goal)) {
+                    continue;
+                }
+                if let Ok(at) = places.binary_search_by_key(&bits(place), bits)
+                    && own[at].is_none()
+                {
+                    own[at] = Some(goal);
+                    values[row + at] = match metric {
+                        Metric::Curve => field.distance(start, place),
+                        Metric::Manhattan => (place.x - start.x).abs() + (place.y - start.y).abs(),
+                    };
+                }
+            }
+            which.push(own);
+        }
+        let next_best = NextBest::new(&Costs::new(checked.starts.len(), places.len(), values));
+        Self { field, places, which, next_best, bounds: metric == Metric::Curve }
+    }
+}
+
+impl Assignments for Ranked<'_> {
+    /// Assignments whose goals can all be occupied at once.
+    fn next(&mut self, budget: &Budget<'_>) -> Result<Option<Assigned>, Spent> {
+        loop {
+            budget.spend(self.next_best.work().max(1))?;
+            let Some(assignment) = self.next_best.next() else { return Ok(None) };
+            let taken: Vec<&Place> = assignment.goals.iter().flatten().map(|goal| &self.places[*goal]).collect();
+            let clear =
+                taken.iter().enumerate().all(|(i, a)| taken[i + 1..].iter().all(|b| !collide(self.field, a, b)));
+            if clear {
+                let goals = assignment.goals.iter().zip(&self.which).map(|(goal, which)| which[(*goal)?]).collect();
+                return Ok(Some(Assigned { goals, cost: if self.bounds { assignment.cost } else { 0.0 } }));
+            }
+        }
+    }
+}
