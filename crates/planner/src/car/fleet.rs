@@ -22,8 +22,8 @@ use crate::search::{Budget, Spent};
 
 /// States that one search may expand while conflicts are negotiated.
 const LIMIT: u64 = 4_000;
-/// Rounds of negotiation, then of repair around single conflicts.
-const ROUNDS: usize = 4;
+/// Most rounds of negotiation, which ends sooner where it gets no further, then of repair around single conflicts.
+const ROUNDS: usize = 12;
 const REPAIRS: usize = 2_000;
 /// Factors on what lies ahead in negotiation and in improvement: greedy searches find detours sooner.
 const GREED: f64 = 1.5;
@@ -173,16 +173,17 @@ impl<'a> Fleet<'a> {
     fn negotiate(&mut self, mut order: Vec<usize>, budget: &Budget<'_>) -> Result<bool, Spent> {
         order.sort_by(|a, b| self.alone[*b].cost.total_cmp(&self.alone[*a].cost).then(a.cmp(b)));
         let mut weight = FIRST_WEIGHT * self.field.step;
+        let mut before = usize::MAX;
         for round in 0..ROUNDS {
             self.effort.high_level_expanded += 1;
-            let mut clean = true;
+            let mut crossed = 0;
             for (rank, body) in order.clone().into_iter().enumerate() {
                 let way = self.traffic.way(body).cloned();
                 let Some(way) = way else { continue };
                 if self.traffic.met(self.field, body, &way).is_empty() {
                     continue;
                 }
-                clean = false;
+                crossed += 1;
                 self.weights.fill(MOST_WEIGHT * self.field.step);
                 for (later, other) in order.iter().enumerate() {
                     // in the first round those that still come will give way themselves
@@ -192,9 +193,13 @@ impl<'a> Fleet<'a> {
                     self.traffic.set(body, Some(Arc::new(way)));
                 }
             }
-            if clean {
+            if crossed == 0 {
                 return Ok(true);
             }
+            if round > 2 && crossed >= before {
+                break;
+            }
+            before = crossed;
             if round == 0 {
                 weight *= 4.0;
             }
@@ -209,7 +214,7 @@ impl<'a> Fleet<'a> {
         for body in 0..self.tasks.len() {
             if let Some(way) = self.traffic.way(body) {
                 let met = self.traffic.met(self.field, body, way);
-                pairs.extend(met.into_iter().filter(|(other, _)| *other > body).map(|(other, _)| (body, other)));
+                pairs.extend(met.into_iter().filter(|other| *other > body).map(|other| (body, other)));
             }
         }
         pairs
@@ -236,10 +241,9 @@ impl<'a> Fleet<'a> {
             let mut group = vec![first, second];
             for body in [first, second] {
                 let alone = self.alone[body].clone();
-                let mut near: Vec<usize> =
-                    self.traffic.met(self.field, body, &alone).into_iter().map(|(other, _)| other).collect();
+                let mut near = self.traffic.met(self.field, body, &alone);
                 if let Some(way) = self.traffic.way(body) {
-                    near.extend(self.traffic.met(self.field, body, way).into_iter().map(|(other, _)| other));
+                    near.extend(self.traffic.met(self.field, body, way));
                 }
                 group.extend(near);
             }
@@ -272,7 +276,18 @@ impl<'a> Fleet<'a> {
                     None => complete = false,
                 }
             }
-            let now = if complete { self.conflicts() } else { Vec::new() };
+            let mut now = Vec::new();
+            if complete {
+                now.extend(pairs.iter().copied().filter(|(a, b)| !group.contains(a) && !group.contains(b)));
+                for member in &group {
+                    if let Some(way) = self.traffic.way(*member) {
+                        let met = self.traffic.met(self.field, *member, way);
+                        now.extend(met.into_iter().map(|other| (other.min(*member), other.max(*member))));
+                    }
+                }
+                now.sort_unstable();
+                now.dedup();
+            }
             if complete && now.len() <= pairs.len() {
                 stuck = if now.len() < pairs.len() { 0 } else { stuck + 1 };
                 pairs = now;
@@ -305,8 +320,7 @@ impl<'a> Fleet<'a> {
                 if excess(self, body) < WORTHWHILE * self.field.step {
                     continue;
                 }
-                let blockers: Vec<usize> =
-                    self.traffic.met(self.field, body, &self.alone[body].clone()).into_iter().map(|(b, _)| b).collect();
+                let blockers = self.traffic.met(self.field, body, &self.alone[body]);
                 better |= self.exchange(body, &blockers, budget)?;
             }
             if !better {

@@ -112,20 +112,30 @@ impl Traffic {
         sums
     }
 
-    /// Bodies that the way of `body` meets, each with the number of steps in which it does.
-    pub(super) fn met(&self, field: &Field, body: usize, way: &Way) -> Vec<(usize, u32)> {
-        let mut met = Vec::new();
-        for (other, theirs) in self.ways.iter().enumerate() {
-            if let Some(theirs) = theirs {
-                if other != body {
-                    let count = meetings(field, way, theirs).count() as u32;
-                    if count > 0 {
-                        met.push((other, count));
+    /// Bodies that the way of `body` meets.
+    pub(super) fn met(&self, field: &Field, body: usize, way: &Way) -> Vec<usize> {
+        match field.model {
+            Model::Clcbs => {
+                let mut met = vec![false; self.bodies];
+                for time in 1..self.rows.max(way.len() + 1) {
+                    let row = time.min(self.rows - 1) * self.bodies;
+                    let place = way.place(time);
+                    let (xs, ys) = (&self.x[row..row + self.bodies], &self.y[row..row + self.bodies]);
+                    for ((x, y), met) in xs.iter().zip(ys).zip(&mut met) {
+                        let (dx, dy) = (x - place.x, y - place.y);
+                        *met |= dx * dx + dy * dy < field.separation_squared;
                     }
                 }
+                met[body] = false;
+                (0..self.bodies).filter(|other| met[*other]).collect()
             }
+            Model::Exact => (0..self.bodies)
+                .filter(|other| *other != body)
+                .filter(|other| {
+                    self.ways[*other].as_ref().is_some_and(|theirs| meetings(field, way, theirs).next().is_some())
+                })
+                .collect(),
         }
-        met
     }
 }
 
