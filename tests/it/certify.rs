@@ -471,3 +471,66 @@ fn kinds_are_written_as_they_are_called() {
     let expected = serde_json::json!({"kind": "swap", "time": 1.5, "agents": [0, 2], "detail": "x"});
     assert_eq!(serde_json::to_value(violation).unwrap(), expected);
 }
+
+/// Whatever is in a plan, the work is bounded: bodies in one heap, steps without number, obstacles with many corners.
+#[test]
+fn too_much_to_look_at_is_said() {
+    let heap = pose(25.0, 25.0, 0.0);
+    let agents: Vec<CarAgent> =
+        (0..200).map(|k| CarAgent { name: k.to_string(), start: heap, goals: vec![heap] }).collect();
+    let mut instance = world(agents);
+    let routes = instance.agents.iter().map(|agent| route(agent, vec![heap; 2000])).collect();
+    let plan = CarPlan { routes, claims: Claims::default() };
+    for model in [Model::Clcbs, Model::Exact] {
+        let found = certify::car(&instance, &plan, model);
+        assert_eq!(found.len(), VIOLATIONS_MAX);
+    }
+    let corner = |k: u32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 1001.0).sin_cos();
+        Point2::new(10.0 + cos, 10.0 + sin)
+    };
+    instance.obstacles = vec![Obstacle::Polygon((0..1001).map(corner).collect())];
+    assert_eq!(kinds(&certify::car(&instance, &plan, Model::Exact)), ["instance"]);
+    instance.obstacles = vec![Obstacle::Point { at: Point2::new(1.0, 1.0), radius: 0.8 }; 2000];
+    let found = certify::car(&instance, &plan, Model::Exact);
+    assert_eq!(found.len(), VIOLATIONS_MAX);
+    // one that drives in circles for ever, past a thousand obstacles
+    let step = instance.vehicle.step_length();
+    let mut states = vec![heap];
+    for _ in 0..120_000 {
+        states.push(onward(&states[states.len() - 1], step, 0.706));
+    }
+    instance.agents.truncate(1);
+    instance.agents[0].goals = vec![states[states.len() - 1]];
+    let plan = CarPlan { routes: vec![route(&instance.agents[0], states)], claims: Claims::default() };
+    let found = certify::car(&instance, &plan, Model::Exact);
+    assert_eq!(kinds(&found), ["unchecked"], "{found:?}");
+}
+
+/// A hundred cars on random drives for 150 steps: who meets is looked for in every step.
+#[test]
+fn the_models_agree_where_nobody_comes_near() {
+    // rows of cars that drive to and fro, each within its own strip of 5 m
+    let step = Vehicle::default().step_length();
+    let mut agents = Vec::new();
+    let mut routes = Vec::new();
+    for row in 0..50 {
+        for side in 0..2 {
+            let start = pose(20.0 + 150.0 * f64::from(side), 5.0 + 5.0 * f64::from(row), 0.0);
+            let mut states = vec![start];
+            for number in 0..150 {
+                let way = if number / 10 % 2 == 0 { step } else { -step };
+                states.push(onward(&states[states.len() - 1], way, 0.0));
+            }
+            let name = format!("{row}-{side}");
+            agents.push(CarAgent { name: name.clone(), start, goals: vec![states[150]] });
+            routes.push(Route { name, goal: Some(0), states });
+        }
+    }
+    let mut instance = world(agents);
+    (instance.width, instance.height) = (300.0, 300.0);
+    let plan = CarPlan { routes, claims: Claims { flowtime: Some(15_000.0 * step), ..Claims::default() } };
+    for model in [Model::Clcbs, Model::Exact] {
+        assert_eq!(certify::car(&instance, &plan, model), []);
+    }
+}

@@ -8,7 +8,7 @@ use super::agents::{Taker, check_assignment, matched};
 use super::assignment::cheapest;
 use super::claims::{self, Counted};
 use super::drive::{self, Fault, Tolerance};
-use super::meetings::{Block, with_each_other, with_obstacles};
+use super::meetings::{Block, too_much, with_each_other, with_obstacles};
 use super::motion::Motion;
 use super::{Findings, Model, Violation, ViolationKind, Work};
 use crate::instance::{CarAgent, CarInstance};
@@ -16,8 +16,8 @@ use crate::plan::{CarPlan, Route};
 
 /// Largest number in an instance or a plan, m: up to here a micrometre is more than rounding.
 const NUMBER_MAX: f64 = 1e8;
-/// Looks at two discs, or as much work of other kinds: some seconds.
-const WORK_MAX: u64 = 500_000_000;
+/// Looks at two discs, or as much work of other kinds, at obstacles and as many at each other: some seconds.
+const WORK_MAX: u64 = 200_000_000;
 /// Most work of the assignment for the weak lower bound, and most entries of its table.
 const WEAK_BOUND_MAX: u64 = 1_000_000_000;
 const ENTRIES_MAX: u64 = 10_000_000;
@@ -64,9 +64,13 @@ pub(super) fn check(instance: &CarInstance, plan: &CarPlan, model: Model) -> Vec
         }
     }
     with_obstacles(&blocks, &routes, model, &tolerance, &mut work, &mut findings);
+    let mut work = Work { left: WORK_MAX };
     with_each_other(&instance.vehicle, &routes, model, &tolerance, &mut work, &mut findings);
     let time = routes.iter().flatten().map(|route| route.states.len() - 1).max().unwrap_or(0) as f64;
-    check_goals(instance, &routes, &blocks, time, &tolerance, &mut findings);
+    check_goals(instance, &routes, &tolerance, &mut findings);
+    if instance.assignment {
+        check_takers(instance, &routes, &blocks, time, &mut work, &mut findings);
+    }
     let counted = counted(instance, &routes, time, &tolerance);
     claims::check(&plan.claims, &counted, || weak_bound(instance), &mut findings);
     findings.finish()
@@ -145,12 +149,10 @@ fn check_route(
     }
 }
 
-/// Every route ends in the goal it claims; goals are taken once, and as many as can be.
+/// Every route ends in the goal it claims.
 fn check_goals(
     instance: &CarInstance,
     routes: &[Option<&Route<Pose2>>],
-    blocks: &[Block],
-    time: f64,
     tolerance: &Tolerance,
     findings: &mut Findings,
 ) {
@@ -169,18 +171,33 @@ fn check_goals(
             _ => {}
         }
     }
-    if !instance.assignment {
-        return;
-    }
+}
+
+/// Goals are taken once, and as many as can be.
+fn check_takers(
+    instance: &CarInstance,
+    routes: &[Option<&Route<Pose2>>],
+    blocks: &[Block],
+    time: f64,
+    work: &mut Work,
+    findings: &mut Findings,
+) {
     let numbers = numbers(instance);
     // goals in which nobody can stand need not be taken
     let mut is_free: Vec<Option<bool>> = vec![None; numbers.len()];
+    let look: u64 = blocks.iter().map(Block::look).sum();
     for goal in instance.agents.iter().flat_map(|agent| &agent.goals) {
-        is_free[numbers[&key(goal)]].get_or_insert_with(|| {
-            let place = position(goal);
-            let is_inside = place.x >= 0.0 && place.x <= instance.width && place.y >= 0.0 && place.y <= instance.height;
-            is_inside && !blocks.iter().any(|block| block.is_touched(goal))
-        });
+        let known = &mut is_free[numbers[&key(goal)]];
+        if known.is_some() {
+            continue;
+        }
+        if !work.spend(look) {
+            too_much("goals", time, findings);
+            return;
+        }
+        let place = position(goal);
+        let is_inside = place.x >= 0.0 && place.x <= instance.width && place.y >= 0.0 && place.y <= instance.height;
+        *known = Some(is_inside && !blocks.iter().any(|block| block.is_touched(goal)));
     }
     let takers: Vec<Taker> = instance
         .agents

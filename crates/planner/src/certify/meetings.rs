@@ -13,6 +13,8 @@ use crate::plan::Route;
 
 /// What one look at two bodies takes compared to a look at two discs.
 const LOOK: u64 = 50;
+/// Most corners of an obstacle; a look at it takes their number squared.
+const CORNERS_MAX: usize = 1000;
 
 /// Corners of the body, grown by `margin` on every side.
 pub(super) fn rectangle(vehicle: &Vehicle, margin: f64) -> [Vector2<f64>; 4] {
@@ -49,6 +51,12 @@ impl Block {
         {
             return Err(format!("obstacle {number} has numbers that make no sense"));
         }
+        if corners.len() > CORNERS_MAX {
+            return Err(format!(
+                "obstacle {number} has {} corners; more than {CORNERS_MAX} are not checked",
+                corners.len()
+            ));
+        }
         let around: Vec<Vector2<f64>> = corners.iter().map(|corner| corner - first).collect();
         if corners.len() > 1 && !is_convex(&around) {
             return Err(format!("obstacle {number} is not a convex polygon with its corners counter-clockwise"));
@@ -65,6 +73,12 @@ impl Block {
 
     fn moving(&self) -> Moving<'_> {
         Moving { motion: self.place, corners: &self.corners }
+    }
+
+    /// What one look at it takes compared to a look at two discs.
+    pub(super) fn look(&self) -> u64 {
+        let corners = self.corners.len() as u64 + 4;
+        LOOK * (1 + corners * corners / 64)
     }
 
     /// Whether a body in this pose overlaps it.
@@ -134,7 +148,7 @@ pub(super) fn with_obstacles(
                         });
                     }
                 }
-                if !work.spend(LOOK * looked) {
+                if !work.spend(block.look() * looked) {
                     too_much("obstacles", step as f64, findings);
                     return;
                 }
@@ -143,7 +157,7 @@ pub(super) fn with_obstacles(
     }
 }
 
-fn too_much(what: &str, time: f64, findings: &mut Findings) {
+pub(super) fn too_much(what: &str, time: f64, findings: &mut Findings) {
     findings
         .add(ViolationKind::Unchecked, time, &[], || format!("too much to look at: {what} were checked only in part"));
 }

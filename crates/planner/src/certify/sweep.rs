@@ -149,7 +149,7 @@ pub(super) fn overlap(first: &Moving<'_>, second: &Moving<'_>, share: f64) -> f6
 }
 
 /// Whether the bodies overlap anywhere in the step. An overlap deeper than `depth` is always found, one shallower than half of
-/// it never. Counts what it did onto `looked`.
+/// it never. Counts the looks at both bodies onto `looked`.
 pub(super) fn meeting(first: &Moving<'_>, second: &Moving<'_>, depth: f64, looked: &mut u64) -> Meeting {
     let acceleration = first.acceleration() + second.acceleration();
     let (mut a, mut b) = (Placed { corners: Vec::new() }, Placed { corners: Vec::new() });
@@ -160,6 +160,7 @@ pub(super) fn meeting(first: &Moving<'_>, second: &Moving<'_>, depth: f64, looke
         second.place(share, &mut b);
         let gap = gap(&a.corners, &b.corners);
         if gap.width < -0.5 * depth {
+            *looked += u64::from(LOOKS) + 1;
             let deepest = (0..=LOOKS)
                 .map(|look| overlap(first, second, share + (1.0 - share) * f64::from(look) / f64::from(LOOKS)))
                 .fold(-gap.width, f64::max);
