@@ -89,15 +89,11 @@ pub(super) struct Target {
     pub distances: Arc<[u32]>,
 }
 
-/// Which kinds of reasoning the splits use.
+/// How conflicts are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Splits {
-    /// Whether splits are disjoint.
-    pub disjoint: bool,
     /// Whether conflicts with agents at their goals are split by arrival. Not sound if goals change within a tree.
     pub arrivals: bool,
-    /// Whether to find out which steps are without alternative.
-    pub narrow: bool,
 }
 
 /// Agents on a grid.
@@ -264,8 +260,9 @@ impl Domain for Grid {
         let found = self.low_level.plan(&self.space, &self.table, &request, &mut self.cells, budget)?;
         let Some(answer) = found else { return Ok(None) };
         let mut narrow = Vec::new();
-        // where resting made the path longer than its cost, its alternatives are not looked for
-        if self.splits.narrow && target.is_some() && answer.cost as usize + 1 == self.cells.len() {
+        // what is dearer than it must be has alternatives, and where resting made a path longer than its cost, they are not
+        // looked for
+        if target.is_some() && answer.cost == answer.lower_bound && answer.cost as usize + 1 == self.cells.len() {
             narrow = self.narrow.find(&self.space, &self.table, &request, self.cells.len() - 1, budget)?;
         }
         let path = Path { cells: self.cells.clone(), has_goal: target.is_some(), narrow };
@@ -300,7 +297,6 @@ impl Domain for Grid {
                 None
             };
             let class = match (narrow_first, narrow_second) {
-                _ if !self.splits.narrow => 0,
                 (true, true) => 0,
                 (false, false) => 2,
                 _ => 1,
@@ -338,7 +334,6 @@ impl Domain for Grid {
             ),
         };
         match about {
-            _ if !self.splits.disjoint => [Bound::on(first, no_first), Bound::on(second, no_second)],
             Which::First => [Bound::on(first, no_first), Bound::about(first, yes_first)],
             Which::Second => [Bound::on(second, no_second), Bound::about(second, yes_second)],
         }

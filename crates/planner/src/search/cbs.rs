@@ -221,26 +221,37 @@ impl<'a, D: Domain> Search<'a, D> {
                 }
                 return Ok(None);
             };
-            // the child's paths obey the node's rules too: it takes them over and need not be split here. Its own lower
-            // bounds stay, since the rule is not taken over.
-            let node = &mut self.tree.nodes[index as usize];
-            for (agent, mut planned) in child.replaced {
-                let slot = &mut paths[agent as usize];
-                planned.lower_bound = slot.as_ref().map_or(0.0, |old| old.lower_bound);
-                *slot = Some(planned.clone());
-                node.replaced.retain(|(other, _)| *other != agent);
-                node.replaced.push((agent, planned));
-            }
-            clashes = child.clashes;
-            let (cost, _) = tree::sums(&paths);
-            standing = Standing { lower_bound: standing.lower_bound, cost, conflicts: child.standing.conflicts };
-            node.standing = standing;
+            standing = self.take_over(index, child, &mut paths, &mut clashes, standing);
         }
+    }
+
+    /// Gives a node the paths of a child: they obey its rules too, and so it need not be split here. Its own lower bounds stay,
+    /// since the child's rule is not taken over.
+    pub(super) fn take_over(
+        &mut self,
+        index: u32,
+        child: Node<D>,
+        paths: &mut Paths<D::Path>,
+        clashes: &mut Vec<Pair<D::Conflict>>,
+        standing: Standing,
+    ) -> Standing {
+        let node = &mut self.tree.nodes[index as usize];
+        for (agent, mut planned) in child.replaced {
+            let slot = &mut paths[agent as usize];
+            planned.lower_bound = slot.as_ref().map_or(0.0, |old| old.lower_bound);
+            *slot = Some(planned.clone());
+            node.replaced.retain(|(other, _)| *other != agent);
+            node.replaced.push((agent, planned));
+        }
+        *clashes = child.clashes;
+        let (cost, _) = tree::sums(paths);
+        node.standing = Standing { lower_bound: standing.lower_bound, cost, conflicts: child.standing.conflicts };
+        node.standing
     }
 
     /// Whether a node with these paths may take over those of a child without splitting: only paths that it could have had
     /// itself.
-    fn bypasses(&self, standing: &Standing, child: &Node<D>, paths: &Paths<D::Path>) -> bool {
+    pub(super) fn bypasses(&self, standing: &Standing, child: &Node<D>, paths: &Paths<D::Path>) -> bool {
         let weight = self.settings.weight;
         let limit = if weight > 1.0 { self.open.limit(self.bound) } else { standing.cost };
         let own = child.replaced.iter().all(|(agent, planned)| {
