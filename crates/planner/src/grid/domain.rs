@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use super::low_level::{LowLevel, Request};
 use super::narrow::Narrow;
-use super::space::{NONE, Space, opposite};
+use super::space::{NONE, Space};
 use super::timetable::{Timetable, direction};
 use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
 
@@ -359,6 +359,3 @@ impl Domain for Grid {
         self.low_level.expanded
     }
 }
-
-/// The move back is the opposite one: the low level relies on it when it counts swaps.
-const _: () = assert!(opposite(0) == 1 && opposite(3) == 2);

@@ -32,6 +32,8 @@ mod low_level;
 mod narrow;
 mod ranked;
 mod space;
+#[cfg(test)]
+mod tests;
 mod timetable;
 
 use self::check::{Checked, check};
