@@ -15,8 +15,14 @@ impl Numbers {
     }
 }
 
+/// An agent: its start and its goals, as (x, y).
+type Agent<'a> = ((i32, i32), &'a [(i32, i32)]);
+
+/// Where all agents are, and who stays there for good.
+type Joint = (Vec<Cell>, Vec<bool>);
+
 /// A grid from rows of `.` and `#`, agents from (start, goals).
-fn instance(rows: &[&str], agents: &[((i32, i32), &[(i32, i32)])], assignment: bool) -> GridInstance {
+fn instance(rows: &[&str], agents: &[Agent<'_>], assignment: bool) -> GridInstance {
     let cell = |(x, y): (i32, i32)| Cell { x, y };
     GridInstance {
         width: rows[0].len() as i32,
@@ -64,8 +70,8 @@ fn least(instance: &GridInstance, goals: &[Option<usize>]) -> Option<usize> {
     let goal = |agent: usize| goals[agent].map(|goal| instance.agents[agent].goals[goal]);
     let start: Vec<Cell> = instance.agents.iter().map(|agent| agent.start).collect();
     let agents = start.len();
-    let mut best: BTreeMap<(Vec<Cell>, Vec<bool>), usize> = BTreeMap::new();
-    let mut open: BTreeMap<usize, Vec<(Vec<Cell>, Vec<bool>)>> = BTreeMap::new();
+    let mut best: BTreeMap<Joint, usize> = BTreeMap::new();
+    let mut open: BTreeMap<usize, Vec<Joint>> = BTreeMap::new();
     open.entry(0).or_default().push((start.clone(), vec![false; agents]));
     best.insert((start, vec![false; agents]), 0);
     while let Some(mut entry) = open.first_entry() {
@@ -80,7 +86,7 @@ fn least(instance: &GridInstance, goals: &[Option<usize>]) -> Option<usize> {
         if (0..agents).all(|agent| done[agent] || goal(agent).is_none()) {
             return Some(cost);
         }
-        let mut push = |state: (Vec<Cell>, Vec<bool>), cost: usize| {
+        let mut push = |state: Joint, cost: usize| {
             let old = best.entry(state.clone()).or_insert(usize::MAX);
             if cost < *old {
                 *old = cost;
