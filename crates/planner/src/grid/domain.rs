@@ -16,9 +16,6 @@ use super::space::{NONE, Space};
 use super::timetable::{Timetable, direction};
 use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
 
-/// Slots of the timetable that a search may need at most: with the states of the low level about half a gigabyte.
-const MOST_SLOTS: usize = 1 << 25;
-
 /// Steps of detour that a conflict is worth in a bounded search. Found by trial: more finds longer ways round what the tree
 /// resolves cheaply, less leaves it too much to resolve.
 const PRICE: u64 = 4;
@@ -141,7 +138,7 @@ impl Grid {
     }
 
     /// Makes the table count the paths of all agents but one.
-    fn count(&mut self, agent: usize, paths: &[Option<Planned<Path>>]) {
+    fn count(&mut self, agent: usize, paths: &[Option<Planned<Path>>]) -> Result<(), Spent> {
         for (other, (counted, planned)) in self.counted.iter_mut().zip(paths).enumerate() {
             let wanted = planned.as_ref().filter(|_| other != agent).map(|planned| &planned.path);
             let same = match (&*counted, wanted) {
@@ -153,67 +150,69 @@ impl Grid {
                 continue;
             }
             if let Some(old) = counted.take() {
-                self.table.count(&self.space, &old.cells, u8::MAX);
+                self.table.count(&self.space, &old.cells, u8::MAX)?;
             }
             if let Some(new) = wanted {
-                self.table.count(&self.space, &new.cells, 1);
+                self.table.count(&self.space, &new.cells, 1)?;
                 *counted = Some(Arc::clone(new));
             }
         }
+        Ok(())
     }
 
     /// Enters rules into the table; what they say of the arrival: (earliest, latest).
-    fn bar(&mut self, agent: usize, goal: Option<u32>, rules: &[Bound<Rule>]) -> (u32, u32) {
+    fn bar(&mut self, agent: usize, goal: Option<u32>, rules: &[Bound<Rule>]) -> Result<(u32, u32), Spent> {
         self.table.lift();
         self.closed.clear();
         self.waypoints.clear();
         let (mut earliest, mut latest) = (0, u32::MAX);
         let bar_cell = |table: &mut Timetable, earliest: &mut u32, step: u32, cell: u32| {
-            table.bar_cell(step as usize, cell);
+            table.bar_cell(step as usize, cell)?;
             if goal == Some(cell) {
                 *earliest = (*earliest).max(step + 1);
             }
+            Ok(())
         };
         for bound in rules {
             let own = bound.agent == agent;
             match bound.rule {
-                Rule::NotAt { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell),
+                Rule::NotAt { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell)?,
                 Rule::NotMove { step, from, to } => {
                     if let Some(direction) = direction(&self.space, from, to) {
-                        self.table.bar_move(step as usize, from, direction);
+                        self.table.bar_move(step as usize, from, direction)?;
                     }
                 }
                 Rule::At { step, cell } if own => self.waypoints.push((step, cell)),
-                Rule::At { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell),
+                Rule::At { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell)?,
                 Rule::Move { step, from, to } if own => self.waypoints.extend([(step, from), (step + 1, to)]),
                 Rule::Move { step, from, to } => {
-                    bar_cell(&mut self.table, &mut earliest, step, from);
-                    bar_cell(&mut self.table, &mut earliest, step + 1, to);
+                    bar_cell(&mut self.table, &mut earliest, step, from)?;
+                    bar_cell(&mut self.table, &mut earliest, step + 1, to)?;
                     if let Some(direction) = direction(&self.space, to, from) {
-                        self.table.bar_move(step as usize, to, direction);
+                        self.table.bar_move(step as usize, to, direction)?;
                     }
                 }
                 Rule::ArriveAfter { step } => {
                     earliest = earliest.max(step + 1);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
                 Rule::ArriveBy { step, .. } if own => {
                     latest = latest.min(step);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
                 Rule::ArriveBy { step, cell } => {
                     self.closed.resize(self.space.cells(), NONE);
                     let from = &mut self.closed[cell as usize];
                     *from = (*from).min(step);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
             }
         }
         self.waypoints.sort_unstable_by(|a, b| b.cmp(a));
         if let Some(&(step, _)) = self.waypoints.first() {
-            self.table.extend(step as usize + 2);
+            self.table.extend(step as usize + 2)?;
         }
-        (earliest, latest)
+        Ok((earliest, latest))
     }
 }
 
@@ -234,11 +233,8 @@ impl Domain for Grid {
                 _ => return Ok(None),
             },
         };
-        self.count(query.agent, query.paths);
-        let (earliest, latest) = self.bar(query.agent, target.as_ref().map(|target| target.cell), query.rules);
-        if self.table.layers().saturating_mul(self.space.cells()) > MOST_SLOTS {
-            return Err(Spent);
-        }
+        self.count(query.agent, query.paths)?;
+        let (earliest, latest) = self.bar(query.agent, target.as_ref().map(|target| target.cell), query.rules)?;
         let request = Request {
             start: self.starts[query.agent],
             goal: target.as_ref().map(|target| (target.cell, &*target.distances)),

@@ -225,6 +225,8 @@ impl LowLevel {
             self.stamp = 1;
         }
         if self.states.len() < size {
+            // not twice as much as needed: tables are large
+            self.states.reserve_exact(size + size / 4 - self.states.len());
             self.states.resize(size, State::default());
         }
         self.focal.clear();

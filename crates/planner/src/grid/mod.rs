@@ -72,6 +72,11 @@ pub enum Planner {
 }
 
 /// Finds a plan for an instance.
+///
+/// All starts, and all goals that are not to be assigned, are checked first, and what is wrong with them is reported at once.
+/// Where goals are assigned, those that are blocked, outside or out of reach are nobody's, and as many agents as possible take
+/// another. Instances whose tables would take more memory than the searches may use (about 33 million cells times steps) end
+/// as if the budget were spent.
 pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) -> Ended<GridPlan> {
     let checked = match check(instance, budget) {
         Ok(Ok(checked)) => checked,
