@@ -9,6 +9,7 @@
 //! large number has to stand for "infinitely dear" and nothing is lost to rounding. Goals that nobody takes behave as if
 //! one idle row, the hub, held them all at cost 0; their duals are 0.
 
+use std::convert::Infallible;
 use std::ops::{Add, Sub};
 
 use super::{Assignment, Costs};
@@ -76,8 +77,12 @@ pub(crate) struct Scratch {
 }
 
 impl Matching {
-    /// An optimal assignment.
-    pub(crate) fn new(costs: &Costs, scratch: &mut Scratch) -> Self {
+    /// An optimal assignment; `tick` is asked before each agent whether to go on.
+    pub(crate) fn new<E>(
+        costs: &Costs,
+        scratch: &mut Scratch,
+        mut tick: impl FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
         let (agents, goals) = (costs.agents(), costs.goals());
         let mut matching = Self {
             goals,
@@ -87,10 +92,11 @@ impl Matching {
             row_of: vec![NONE; goals + agents],
         };
         for agent in 0..agents {
+            tick()?;
             // idling is always possible: there is always a path
             matching.augment(costs, agent, None, 0, &[], true, scratch);
         }
-        matching
+        Ok(matching)
     }
 
     /// The goal of an agent.
@@ -293,7 +299,8 @@ impl Matching {
 
 /// The cheapest of the assignments in which as many agents as possible take a goal.
 pub fn optimal(costs: &Costs) -> Assignment {
-    Assignment::new(costs, Matching::new(costs, &mut Scratch::default()).goals())
+    let Ok(matching) = Matching::new::<Infallible>(costs, &mut Scratch::default(), || Ok(()));
+    Assignment::new(costs, matching.goals())
 }
 
 #[cfg(test)]
@@ -313,7 +320,7 @@ mod tests {
             let values = (0..agents * goals).map(|_| below(20) as f64).collect();
             let mut costs = Costs::new(agents, goals, values);
             let mut scratch = Scratch::default();
-            let mut matching = Matching::new(&costs, &mut scratch);
+            let Ok(mut matching) = Matching::new::<Infallible>(&costs, &mut scratch, || Ok(()));
             assert!(matching.proves(&costs));
             for _ in 0..30 {
                 let agent = below(agents as u64) as usize;

@@ -52,6 +52,12 @@ impl Costs {
         self.goals
     }
 
+    /// Expansions' worth of work that one augmenting path may take.
+    pub(crate) const fn work(&self) -> u64 {
+        let (agents, goals) = (self.agents as u64, self.goals as u64);
+        1 + agents.saturating_mul(agents.saturating_add(goals)) / 128
+    }
+
     /// What it costs `agent` to take each goal; infinite where it may not.
     pub fn of(&self, agent: usize) -> &[f64] {
         &self.values[agent * self.goals..(agent + 1) * self.goals]

@@ -335,3 +335,19 @@ fn nobody_has_an_empty_plan() {
     assert_eq!(plan.claims.cost, Some(0.0));
     assert!(plan.routes.is_empty());
 }
+
+/// Nothing checks an instance's sizes before the search does: cells that `blocked` does not have are outside.
+#[test]
+fn tables_of_the_wrong_size_are_no_trouble() {
+    for (width, height, cells) in [(3, 3, 4), (-2, 5, 9), (0, 0, 0), (2, 2, 40)] {
+        let mut odd = instance(&["..", ".."], &[((0, 0), &[(1, 1)]), ((1, 0), &[(2, 2)])], false);
+        (odd.width, odd.height, odd.blocked) = (width, height, vec![false; cells]);
+        assert!(matches!(run(&odd, Planner::Cbs, 1.0, 1_000).outcome, Outcome::Infeasible(_)));
+        odd.assignment = true;
+        for planner in [Planner::EcbsTa, Planner::ItaEcbs] {
+            for bound in [f64::NAN, f64::INFINITY, -3.0] {
+                let _ = run(&odd, planner, bound, 1_000);
+            }
+        }
+    }
+}

@@ -86,7 +86,9 @@ struct Draft<'t, D: Domain> {
 impl<D: Domain> Incremental<'_, D> {
     fn run(&mut self) -> Result<Found<D::Path>, Spent> {
         let agents = self.search.domain.agents();
-        let matching = Matching::new(self.base, &mut self.scratch);
+        let budget = self.search.budget;
+        let work = self.base.work();
+        let matching = Matching::new(self.base, &mut self.scratch, || budget.spend(work))?;
         self.taken = matching.goals().iter().flatten().count();
         let mut paths: Paths<D::Path> = (0..agents).map(|_| None).collect();
         let draft = Draft {
@@ -224,6 +226,7 @@ impl<D: Domain> Incremental<'_, D> {
             if least > entry {
                 draft.costs.raise_to(agent, column, least);
                 draft.raised.push((agent as u32, column as u32, least));
+                self.search.budget.spend(self.base.work())?;
                 let possible = draft.matching.raise(&draft.costs, agent, &mut self.scratch);
                 if !possible || draft.matching.goals().iter().flatten().count() < self.taken {
                     return Ok(None);
