@@ -34,12 +34,12 @@ pub type CarPlan = Plan<Pose2>;
 /// Numbers that a plan comes with; a foreign plan may have none of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Claims {
-    /// What the planner minimised: on grids the sum over agents of the step of the last arrival; for cars the sum of
-    /// lengths with penalties.
+    /// What the planner minimised: on grids the sum over agents of the step of the last arrival, except that where goals are
+    /// assigned, waiting at the goal costs nothing (see [`grid`](crate::grid)); for cars the sum of lengths with penalties.
     pub cost: Option<f64>,
     /// Grids: the last arrival in steps; cars: the longest of the agents' ways in metres, a wait counting one step's length.
     pub makespan: Option<f64>,
-    /// Grids: the same as the cost; cars: the sum of the agents' ways in metres, a wait counting one step's length.
+    /// Grids: the sum over agents of the step of the last arrival; cars: the sum of the agents' ways in metres, a wait counting one step's length.
     pub flowtime: Option<f64>,
     /// No plan can cost less.
     pub lower_bound: Option<f64>,

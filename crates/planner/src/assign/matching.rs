@@ -9,6 +9,7 @@
 //! large number has to stand for "infinitely dear" and nothing is lost to rounding. Goals that nobody takes behave as if
 //! one idle row, the hub, held them all at cost 0; their duals are 0.
 
+use std::convert::Infallible;
 use std::ops::{Add, Sub};
 
 use super::{Assignment, Costs};
@@ -22,12 +23,15 @@ pub(super) struct Weight {
 
 impl Weight {
     pub(super) const ZERO: Self = Self { idle: 0, cost: 0.0 };
-    const IDLE: Self = Self { idle: 1, cost: 0.0 };
     /// More than any sum.
     const FAR: Self = Self { idle: i32::MAX, cost: 0.0 };
 
     pub(super) const fn of(cost: f64) -> Self {
         Self { idle: 0, cost }
+    }
+
+    const fn idling(cost: f64) -> Self {
+        Self { idle: 1, cost }
     }
 
     pub(super) fn less(self, other: Self) -> bool {
@@ -73,8 +77,12 @@ pub(crate) struct Scratch {
 }
 
 impl Matching {
-    /// An optimal assignment.
-    pub(crate) fn new(costs: &Costs, scratch: &mut Scratch) -> Self {
+    /// An optimal assignment; `tick` is asked before each agent whether to go on.
+    pub(crate) fn new<E>(
+        costs: &Costs,
+        scratch: &mut Scratch,
+        mut tick: impl FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
         let (agents, goals) = (costs.agents(), costs.goals());
         let mut matching = Self {
             goals,
@@ -84,10 +92,11 @@ impl Matching {
             row_of: vec![NONE; goals + agents],
         };
         for agent in 0..agents {
+            tick()?;
             // idling is always possible: there is always a path
             matching.augment(costs, agent, None, 0, &[], true, scratch);
         }
-        matching
+        Ok(matching)
     }
 
     /// The goal of an agent.
@@ -101,10 +110,10 @@ impl Matching {
         (0..self.column_of.len()).map(|agent| self.goal(agent)).collect()
     }
 
-    /// Makes the assignment optimal again after costs of one agent rose.
-    pub(crate) fn raise(&mut self, costs: &Costs, agent: usize, scratch: &mut Scratch) {
+    /// Makes the assignment optimal again after costs of one agent rose; false if there is none.
+    pub(crate) fn raise(&mut self, costs: &Costs, agent: usize, scratch: &mut Scratch) -> bool {
         let target = self.column_of[agent];
-        self.augment(costs, agent, Some(target), 0, &[], true, scratch);
+        self.augment(costs, agent, Some(target), 0, &[], true, scratch)
     }
 
     /// The optimal assignment in which `agent` takes none of the columns `forbidden`, its present one among them, and the
@@ -167,8 +176,9 @@ impl Matching {
                 }
             }
             let idle = goals + row;
-            if !scanned[idle] && (row != agent || may_idle) {
-                let through = base + Weight::IDLE - self.column_dual[idle];
+            let alone = costs.at(row, goals);
+            if !scanned[idle] && alone < f64::INFINITY && (row != agent || may_idle) {
+                let through = base + Weight::idling(alone) - self.column_dual[idle];
                 if through.less(distance[idle]) {
                     distance[idle] = through;
                     from[idle] = row as u32;
@@ -268,7 +278,11 @@ impl Matching {
     fn proves(&self, costs: &Costs) -> bool {
         (0..self.column_of.len()).all(|row| {
             let reduced = |column: usize| {
-                let cost = if column < self.goals { Weight::of(costs.of(row)[column]) } else { Weight::IDLE };
+                let cost = if column < self.goals {
+                    Weight::of(costs.of(row)[column])
+                } else {
+                    Weight::idling(costs.at(row, self.goals))
+                };
                 cost - self.row_dual[row] - self.column_dual[column]
             };
             let tight = reduced(self.column_of[row] as usize);
@@ -285,7 +299,8 @@ impl Matching {
 
 /// The cheapest of the assignments in which as many agents as possible take a goal.
 pub fn optimal(costs: &Costs) -> Assignment {
-    Assignment::new(costs, Matching::new(costs, &mut Scratch::default()).goals())
+    let Ok(matching) = Matching::new::<Infallible>(costs, &mut Scratch::default(), || Ok(()));
+    Assignment::new(costs, matching.goals())
 }
 
 #[cfg(test)]
@@ -305,14 +320,14 @@ mod tests {
             let values = (0..agents * goals).map(|_| below(20) as f64).collect();
             let mut costs = Costs::new(agents, goals, values);
             let mut scratch = Scratch::default();
-            let mut matching = Matching::new(&costs, &mut scratch);
+            let Ok(mut matching) = Matching::new::<Infallible>(&costs, &mut scratch, || Ok(()));
             assert!(matching.proves(&costs));
             for _ in 0..30 {
                 let agent = below(agents as u64) as usize;
                 let goal = below(goals as u64) as usize;
                 let raised = if below(9) == 0 { f64::INFINITY } else { costs.of(agent)[goal] + below(6) as f64 };
-                costs.set(agent, goal, raised);
-                matching.raise(&costs, agent, &mut scratch);
+                costs.raise_to(agent, goal, raised);
+                assert!(matching.raise(&costs, agent, &mut scratch));
                 assert!(matching.proves(&costs), "{costs:?}");
                 let anew = optimal(&costs);
                 let cost = Assignment::new(&costs, matching.goals());

@@ -15,8 +15,8 @@
 mod matching;
 mod next_best;
 
-pub(crate) use matching::Matching;
 pub use matching::optimal;
+pub(crate) use matching::{Matching, Scratch};
 pub use next_best::NextBest;
 
 /// What it costs each agent to take each goal.
@@ -25,6 +25,8 @@ pub struct Costs {
     agents: usize,
     goals: usize,
     values: Vec<f64>,
+    /// What it costs each agent to go without a goal; infinite where that is impossible.
+    idle: Vec<f64>,
 }
 
 impl Costs {
@@ -37,7 +39,7 @@ impl Costs {
                 *value = f64::INFINITY;
             }
         }
-        Self { agents, goals, values }
+        Self { agents, goals, values, idle: vec![0.0; agents] }
     }
 
     /// How many agents there are.
@@ -50,14 +52,27 @@ impl Costs {
         self.goals
     }
 
+    /// Expansions' worth of work that one augmenting path may take.
+    pub(crate) const fn work(&self) -> u64 {
+        let (agents, goals) = (self.agents as u64, self.goals as u64);
+        1 + agents.saturating_mul(agents.saturating_add(goals)) / 128
+    }
+
     /// What it costs `agent` to take each goal; infinite where it may not.
     pub fn of(&self, agent: usize) -> &[f64] {
         &self.values[agent * self.goals..(agent + 1) * self.goals]
     }
 
-    /// Changes what it costs `agent` to take `goal`.
-    pub(crate) fn set(&mut self, agent: usize, goal: usize, cost: f64) {
-        self.values[agent * self.goals + goal] = cost;
+    /// What it costs `agent` to take a goal or, if `column` is past the goals, to go without.
+    pub(crate) fn at(&self, agent: usize, column: usize) -> f64 {
+        if column < self.goals { self.values[agent * self.goals + column] } else { self.idle[agent] }
+    }
+
+    /// Raises a cost to at least `cost`; columns as in [`Costs::at`].
+    pub(crate) fn raise_to(&mut self, agent: usize, column: usize, cost: f64) {
+        let entry =
+            if column < self.goals { &mut self.values[agent * self.goals + column] } else { &mut self.idle[agent] };
+        *entry = entry.max(cost);
     }
 }
 

@@ -9,6 +9,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::convert::Infallible;
 
 use super::matching::{Matching, Scratch};
 use super::{Assignment, Costs};
@@ -60,30 +61,28 @@ impl Eq for Part {}
 impl NextBest {
     /// All assignments under these costs.
     pub fn new(costs: &Costs) -> Self {
+        let Ok(all) = Self::first::<Infallible>(costs, || Ok(()));
+        all
+    }
+
+    /// The same; `tick` is asked again and again whether to go on, at least once for every agent.
+    pub(crate) fn first<E>(costs: &Costs, tick: impl FnMut() -> Result<(), E>) -> Result<Self, E> {
         let mut scratch = Scratch::default();
-        let matching = Matching::new(costs, &mut scratch);
+        let matching = Matching::new(costs, &mut scratch, tick)?;
         let goals = matching.goals();
         let taken = goals.iter().flatten().count();
         let cost = Assignment::new(costs, goals).cost;
         let parts = BinaryHeap::from([Part { cost, number: 0, matching, first: 0, forbidden: Vec::new() }]);
-        Self { costs: costs.clone(), parts, made: 1, scratch, taken }
+        Ok(Self { costs: costs.clone(), parts, made: 1, scratch, taken })
     }
 
-    /// Expansions' worth of work that one step takes.
-    pub(crate) fn work(&self) -> u64 {
-        let (agents, goals) = (self.costs.agents() as u64, self.costs.goals() as u64);
-        1 + agents * agents * (agents + goals) / 128
-    }
-}
-
-impl Iterator for NextBest {
-    type Item = Assignment;
-
-    fn next(&mut self) -> Option<Assignment> {
-        let part = self.parts.pop()?;
+    /// The next assignment; `tick` as in [`NextBest::first`]. After an error, nothing more is to be asked.
+    pub(crate) fn following<E>(&mut self, mut tick: impl FnMut() -> Result<(), E>) -> Result<Option<Assignment>, E> {
+        let Some(part) = self.parts.pop() else { return Ok(None) };
         let goals = part.matching.goals();
         // what is left of the part: the first agent that differs from this assignment takes something else
         for agent in part.first..self.costs.agents() {
+            tick()?;
             let mut forbidden = if agent == part.first { part.forbidden.clone() } else { Vec::new() };
             forbidden.push(part.matching.column(agent));
             let mut matching = part.matching.clone();
@@ -98,6 +97,15 @@ impl Iterator for NextBest {
             self.parts.push(Part { cost, number: self.made, matching, first: agent, forbidden });
             self.made += 1;
         }
-        Some(Assignment::new(&self.costs, goals))
+        Ok(Some(Assignment::new(&self.costs, goals)))
+    }
+}
+
+impl Iterator for NextBest {
+    type Item = Assignment;
+
+    fn next(&mut self) -> Option<Assignment> {
+        let Ok(next) = self.following::<Infallible>(|| Ok(()));
+        next
     }
 }

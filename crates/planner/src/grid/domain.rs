@@ -12,12 +12,9 @@ use std::sync::Arc;
 
 use super::low_level::{LowLevel, Request};
 use super::narrow::Narrow;
-use super::space::{NONE, Space, opposite};
+use super::space::{NONE, Space};
 use super::timetable::{Timetable, direction};
 use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
-
-/// Slots of the timetable that a search may need at most: with the states of the low level about half a gigabyte.
-const MOST_SLOTS: usize = 1 << 25;
 
 /// Steps of detour that a conflict is worth in a bounded search. Found by trial: more finds longer ways round what the tree
 /// resolves cheaply, less leaves it too much to resolve.
@@ -89,15 +86,11 @@ pub(super) struct Target {
     pub distances: Arc<[u32]>,
 }
 
-/// Which kinds of reasoning the splits use.
+/// How conflicts are split.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Splits {
-    /// Whether splits are disjoint.
-    pub disjoint: bool,
     /// Whether conflicts with agents at their goals are split by arrival. Not sound if goals change within a tree.
     pub arrivals: bool,
-    /// Whether to find out which steps are without alternative.
-    pub narrow: bool,
 }
 
 /// Agents on a grid.
@@ -145,7 +138,7 @@ impl Grid {
     }
 
     /// Makes the table count the paths of all agents but one.
-    fn count(&mut self, agent: usize, paths: &[Option<Planned<Path>>]) {
+    fn count(&mut self, agent: usize, paths: &[Option<Planned<Path>>]) -> Result<(), Spent> {
         for (other, (counted, planned)) in self.counted.iter_mut().zip(paths).enumerate() {
             let wanted = planned.as_ref().filter(|_| other != agent).map(|planned| &planned.path);
             let same = match (&*counted, wanted) {
@@ -157,67 +150,69 @@ impl Grid {
                 continue;
             }
             if let Some(old) = counted.take() {
-                self.table.count(&self.space, &old.cells, u8::MAX);
+                self.table.count(&self.space, &old.cells, u8::MAX)?;
             }
             if let Some(new) = wanted {
-                self.table.count(&self.space, &new.cells, 1);
+                self.table.count(&self.space, &new.cells, 1)?;
                 *counted = Some(Arc::clone(new));
             }
         }
+        Ok(())
     }
 
     /// Enters rules into the table; what they say of the arrival: (earliest, latest).
-    fn bar(&mut self, agent: usize, goal: Option<u32>, rules: &[Bound<Rule>]) -> (u32, u32) {
+    fn bar(&mut self, agent: usize, goal: Option<u32>, rules: &[Bound<Rule>]) -> Result<(u32, u32), Spent> {
         self.table.lift();
         self.closed.clear();
         self.waypoints.clear();
         let (mut earliest, mut latest) = (0, u32::MAX);
         let bar_cell = |table: &mut Timetable, earliest: &mut u32, step: u32, cell: u32| {
-            table.bar_cell(step as usize, cell);
+            table.bar_cell(step as usize, cell)?;
             if goal == Some(cell) {
                 *earliest = (*earliest).max(step + 1);
             }
+            Ok(())
         };
         for bound in rules {
             let own = bound.agent == agent;
             match bound.rule {
-                Rule::NotAt { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell),
+                Rule::NotAt { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell)?,
                 Rule::NotMove { step, from, to } => {
                     if let Some(direction) = direction(&self.space, from, to) {
-                        self.table.bar_move(step as usize, from, direction);
+                        self.table.bar_move(step as usize, from, direction)?;
                     }
                 }
                 Rule::At { step, cell } if own => self.waypoints.push((step, cell)),
-                Rule::At { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell),
+                Rule::At { step, cell } => bar_cell(&mut self.table, &mut earliest, step, cell)?,
                 Rule::Move { step, from, to } if own => self.waypoints.extend([(step, from), (step + 1, to)]),
                 Rule::Move { step, from, to } => {
-                    bar_cell(&mut self.table, &mut earliest, step, from);
-                    bar_cell(&mut self.table, &mut earliest, step + 1, to);
+                    bar_cell(&mut self.table, &mut earliest, step, from)?;
+                    bar_cell(&mut self.table, &mut earliest, step + 1, to)?;
                     if let Some(direction) = direction(&self.space, to, from) {
-                        self.table.bar_move(step as usize, to, direction);
+                        self.table.bar_move(step as usize, to, direction)?;
                     }
                 }
                 Rule::ArriveAfter { step } => {
                     earliest = earliest.max(step + 1);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
                 Rule::ArriveBy { step, .. } if own => {
                     latest = latest.min(step);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
                 Rule::ArriveBy { step, cell } => {
                     self.closed.resize(self.space.cells(), NONE);
                     let from = &mut self.closed[cell as usize];
                     *from = (*from).min(step);
-                    self.table.extend(step as usize + 2);
+                    self.table.extend(step as usize + 2)?;
                 }
             }
         }
         self.waypoints.sort_unstable_by(|a, b| b.cmp(a));
         if let Some(&(step, _)) = self.waypoints.first() {
-            self.table.extend(step as usize + 2);
+            self.table.extend(step as usize + 2)?;
         }
-        (earliest, latest)
+        Ok((earliest, latest))
     }
 }
 
@@ -238,11 +233,8 @@ impl Domain for Grid {
                 _ => return Ok(None),
             },
         };
-        self.count(query.agent, query.paths);
-        let (earliest, latest) = self.bar(query.agent, target.as_ref().map(|target| target.cell), query.rules);
-        if self.table.layers().saturating_mul(self.space.cells()) > MOST_SLOTS {
-            return Err(Spent);
-        }
+        self.count(query.agent, query.paths)?;
+        let (earliest, latest) = self.bar(query.agent, target.as_ref().map(|target| target.cell), query.rules)?;
         let request = Request {
             start: self.starts[query.agent],
             goal: target.as_ref().map(|target| (target.cell, &*target.distances)),
@@ -264,8 +256,9 @@ impl Domain for Grid {
         let found = self.low_level.plan(&self.space, &self.table, &request, &mut self.cells, budget)?;
         let Some(answer) = found else { return Ok(None) };
         let mut narrow = Vec::new();
-        // where resting made the path longer than its cost, its alternatives are not looked for
-        if self.splits.narrow && target.is_some() && answer.cost as usize + 1 == self.cells.len() {
+        // what is dearer than it must be has alternatives, and where resting made a path longer than its cost, they are not
+        // looked for
+        if target.is_some() && answer.cost == answer.lower_bound && answer.cost as usize + 1 == self.cells.len() {
             narrow = self.narrow.find(&self.space, &self.table, &request, self.cells.len() - 1, budget)?;
         }
         let path = Path { cells: self.cells.clone(), has_goal: target.is_some(), narrow };
@@ -300,7 +293,6 @@ impl Domain for Grid {
                 None
             };
             let class = match (narrow_first, narrow_second) {
-                _ if !self.splits.narrow => 0,
                 (true, true) => 0,
                 (false, false) => 2,
                 _ => 1,
@@ -338,7 +330,6 @@ impl Domain for Grid {
             ),
         };
         match about {
-            _ if !self.splits.disjoint => [Bound::on(first, no_first), Bound::on(second, no_second)],
             Which::First => [Bound::on(first, no_first), Bound::about(first, yes_first)],
             Which::Second => [Bound::on(second, no_second), Bound::about(second, yes_second)],
         }
@@ -364,6 +355,3 @@ impl Domain for Grid {
         self.low_level.expanded
     }
 }
-
-/// The move back is the opposite one: the low level relies on it when it counts swaps.
-const _: () = assert!(opposite(0) == 1 && opposite(3) == 2);

@@ -13,7 +13,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::space::{MOVES, NONE, Space, WAIT};
+use super::space::{MOVES, NONE, Space, WAIT, opposite};
 use super::timetable::{CELL, Timetable};
 use crate::search::{Budget, Spent};
 
@@ -79,6 +79,8 @@ pub(super) struct LowLevel {
     waiting: Vec<Vec<u32>>,
     /// How many open states have an f.
     open: Vec<u32>,
+    /// Ends: at which state, and how it was reached.
+    ends: Vec<(u32, State)>,
     /// Conflicts at the goal after a step.
     after: Vec<u32>,
     pub expanded: u64,
@@ -113,7 +115,8 @@ impl LowLevel {
         let mut allowed = limit(least);
         self.visit(request.start, 0, 0, START, first, allowed);
         if request.goal.is_some_and(|(goal, _)| goal == request.start) || (request.goal.is_none() && last == 0) {
-            self.end(request, last, request.start, 0, allowed);
+            let start = State { stamp: self.stamp, cost: 0, conflicts: 0, via: START, open: true };
+            self.end(request, last, request.start, start, allowed);
         }
         loop {
             // the least f of all open states
@@ -143,18 +146,18 @@ impl LowLevel {
                 allowed = upto;
             }
             let Some(Reverse((_, index))) = self.focal.pop() else { continue };
-            let state = self.states[(index & !END) as usize];
             if index & END != 0 {
-                self.trace(space, last, index & !END, path);
+                let (at, state) = self.ends[(index & !END) as usize];
+                self.trace(space, at, state.via, path);
                 if request.goal.is_none() {
                     while path.len() > 1 && path[path.len() - 1] == path[path.len() - 2] {
                         path.pop();
                     }
                 }
-                // ends that were met a second time may hold `least` back, never push it past the answer
                 let lower_bound = f64::from(least).max(request.floor).min(f64::from(state.cost)) as u32;
                 return Ok(Some(Answer { cost: state.cost, lower_bound }));
             }
+            let state = self.states[index as usize];
             if !state.open {
                 continue;
             }
@@ -197,11 +200,15 @@ impl LowLevel {
                 let conflicts = u32::from(state.conflicts).saturating_add(met).min(MOST as u32);
                 let index = (next_layer * cells) as u32 + next;
                 let via = direction as u8 | late;
-                if self.visit_checked(index, cost, conflicts as u16, via, f, allowed, cells, &height) {
-                    let ends = request.goal.map_or(next_layer == last, |(goal, _)| goal == next);
-                    if ends {
-                        self.end(request, last, index, cost, allowed);
-                    }
+                let opened = self.visit_checked(index, cost, conflicts as u16, via, f, allowed, cells, &height);
+                // who only waits has arrived before; without a goal, the last layer is where everybody stays
+                let ends = match request.goal {
+                    Some((goal, _)) => goal == next && direction < MOVES,
+                    None => opened && next_layer == last,
+                };
+                if ends {
+                    let state = State { stamp: self.stamp, cost, conflicts: conflicts as u16, via, open: true };
+                    self.end(request, last, index, state, allowed);
                 }
             }
         }
@@ -218,9 +225,12 @@ impl LowLevel {
             self.stamp = 1;
         }
         if self.states.len() < size {
+            // not twice as much as needed: tables are large
+            self.states.reserve_exact(size + size / 4 - self.states.len());
             self.states.resize(size, State::default());
         }
         self.focal.clear();
+        self.ends.clear();
         self.waiting.iter_mut().for_each(Vec::clear);
         self.open.fill(0);
         self.after.clear();
@@ -267,15 +277,19 @@ impl LowLevel {
         self.enter_or_wait(index, f, allowed);
     }
 
-    /// Adds an end at an open state, if the agent may stay there.
-    fn end(&mut self, request: &Request<'_>, last: usize, index: u32, cost: u32, allowed: u32) {
+    /// Adds an end at a state that was reached as `state` says, if the agent may stay there.
+    fn end(&mut self, request: &Request<'_>, last: usize, index: u32, mut state: State, allowed: u32) {
         let layer = index as usize / self.cells;
         let may = if request.goal.is_some() { layer as u32 >= request.earliest } else { layer == last };
         let goal = request.goal.map(|(goal, _)| goal);
         let passed = request.waypoints.iter().all(|&(step, cell)| step <= layer as u32 || goal == Some(cell));
         if may && passed {
-            self.add_open(cost);
-            self.enter_or_wait(index | END, cost, allowed);
+            let after = self.after.get(layer).copied().unwrap_or(0);
+            state.conflicts = (u64::from(state.conflicts) + u64::from(after)).min(MOST) as u16;
+            let end = self.ends.len() as u32 | END;
+            self.ends.push((index, state));
+            self.add_open(state.cost);
+            self.enter_or_wait(end, state.cost, allowed);
         }
     }
 
@@ -300,34 +314,29 @@ impl LowLevel {
     /// Puts an open state, or the end at one, into the focal list.
     fn enter(&mut self, index: u32, f: u32) {
         let at = (index & !END) as usize;
-        let state = self.states[at];
-        let mut conflicts = u64::from(state.conflicts);
-        if index & END != 0 {
-            let after = self.after.get(at / self.cells).copied().unwrap_or(0);
-            conflicts = (conflicts + u64::from(after)).min(MOST);
-        }
+        let state = if index & END != 0 { self.ends[at].1 } else { self.states[at] };
+        let conflicts = u64::from(state.conflicts);
         let rank = u64::from(f) + self.price * conflicts;
         let key = rank.min(0xff_ffff) << 40 | conflicts << 24 | (0xff_ffff - u64::from(state.cost));
         self.focal.push(Reverse((key, index)));
     }
 
-    /// Writes the cells from the start to a state.
-    fn trace(&self, space: &Space, last: usize, end: u32, path: &mut Vec<u32>) {
-        let cells = space.cells();
-        let (mut layer, mut cell) = (end as usize / cells, end % cells as u32);
+    /// Writes the cells from the start to a state that was reached by `via`.
+    fn trace(&self, space: &Space, end: u32, mut via: u8, path: &mut Vec<u32>) {
+        let (mut layer, mut cell) = (end as usize / self.cells, end % self.cells as u32);
         loop {
             path.push(cell);
-            let via = self.states[layer * cells + cell as usize].via;
             if via & START != 0 {
                 break;
             }
             let direction = (via & 7) as usize;
             if direction < MOVES {
-                cell = space.neighbours[cell as usize][direction ^ 1];
+                cell = space.neighbours[cell as usize][opposite(direction)];
             }
-            if !(layer == last && via & LATE != 0) {
+            if via & LATE == 0 {
                 layer -= 1;
             }
+            via = self.states[layer * self.cells + cell as usize].via;
         }
         path.reverse();
     }

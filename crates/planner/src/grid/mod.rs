@@ -32,6 +32,8 @@ mod low_level;
 mod narrow;
 mod ranked;
 mod space;
+#[cfg(test)]
+mod tests;
 mod timetable;
 
 use self::check::{Checked, check};
@@ -40,7 +42,7 @@ use self::ranked::{Ranked, Wishes};
 use crate::instance::GridInstance;
 use crate::outcome::{Effort, Ended, Outcome, Reason};
 use crate::plan::{Claims, GridPlan, Plan, Route};
-use crate::search::{self, Assignments, Budget, Found, Given, Planned, Settings};
+use crate::search::{self, Budget, Found, Given, Planned, Settings};
 
 /// How to plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +65,18 @@ pub enum Planner {
     CbsTa,
     /// The same, within a bound of the optimum.
     EcbsTa,
+    /// Conflict-based search in one tree, in which the assignment follows the constraints: optimal.
+    ItaCbs,
+    /// The same, within a bound of the optimum.
+    ItaEcbs,
 }
 
 /// Finds a plan for an instance.
+///
+/// All starts, and all goals that are not to be assigned, are checked first, and what is wrong with them is reported at once.
+/// Where goals are assigned, those that are blocked, outside or out of reach are nobody's, and as many agents as possible take
+/// another. Instances whose tables would take more memory than the searches may use (about 33 million cells times steps) end
+/// as if the budget were spent.
 pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) -> Ended<GridPlan> {
     let checked = match check(instance, budget) {
         Ok(Ok(checked)) => checked,
@@ -75,20 +86,24 @@ pub fn solve(instance: &GridInstance, options: &Options, budget: &Budget<'_>) ->
         }
     };
     let weight = match options.planner {
-        Planner::Cbs | Planner::CbsTa => 1.0,
-        Planner::Ecbs | Planner::EcbsTa => options.bound,
+        Planner::Cbs | Planner::CbsTa | Planner::ItaCbs => 1.0,
+        Planner::Ecbs | Planner::EcbsTa | Planner::ItaEcbs => options.bound,
     };
     let settings = Settings::within(weight);
-    let optimal = settings.weight <= 1.0;
-    let splits = Splits { disjoint: optimal, arrivals: true, narrow: optimal };
-    let mut assignments: Box<dyn Assignments> = if instance.assignment {
-        Box::new(Ranked::new(Wishes::new(&checked)))
-    } else {
-        Box::new(Given::new(checked.targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect()))
-    };
+    let one_tree = instance.assignment && matches!(options.planner, Planner::ItaCbs | Planner::ItaEcbs);
+    // in the one tree, goals change below a rule
+    let splits = Splits { arrivals: !one_tree };
+    let wishes = instance.assignment.then(|| Wishes::new(&checked));
     let Checked { space, starts, targets } = checked;
+    let own = targets.iter().map(|targets| (!targets.is_empty()).then_some(0)).collect();
     let mut grid = Grid::new(space, starts, targets, splits, instance.assignment);
-    let (found, effort) = search::solve(&mut grid, &mut *assignments, &settings, budget);
+    let (found, effort) = match wishes {
+        None => search::solve(&mut grid, &mut Given::new(own), &settings, budget),
+        Some(Wishes { costs, which }) if one_tree => {
+            search::solve_incremental(&mut grid, &costs, &which, &settings, budget)
+        }
+        Some(wishes) => search::solve(&mut grid, &mut Ranked::new(wishes), &settings, budget),
+    };
     let outcome = match found {
         Found::Solved { goals, paths, lower_bound, .. } => {
             Outcome::Solved(plan(instance, &grid, &goals, &paths, lower_bound, settings.weight))

@@ -41,20 +41,26 @@ impl Wishes {
 /// The assignments, the cheapest first.
 pub(super) struct Ranked {
     wishes: Wishes,
-    next_best: NextBest,
+    /// Nothing before the first is asked for.
+    next_best: Option<NextBest>,
 }
 
 impl Ranked {
-    pub(super) fn new(wishes: Wishes) -> Self {
-        let next_best = NextBest::new(&wishes.costs);
-        Self { wishes, next_best }
+    pub(super) const fn new(wishes: Wishes) -> Self {
+        Self { wishes, next_best: None }
     }
 }
 
 impl Assignments for Ranked {
     fn next(&mut self, budget: &Budget<'_>) -> Result<Option<Assigned>, Spent> {
-        budget.spend(self.next_best.work())?;
-        Ok(self.next_best.next().map(|assignment| {
+        let work = self.wishes.costs.work();
+        let mut ranked = match self.next_best.take() {
+            Some(ranked) => ranked,
+            None => NextBest::first(&self.wishes.costs, || budget.spend(work))?,
+        };
+        let next = ranked.following(|| budget.spend(work))?;
+        self.next_best = Some(ranked);
+        Ok(next.map(|assignment| {
             let which = &self.wishes.which;
             let goals = assignment.goals.iter().zip(which).map(|(goal, which)| which[(*goal)?]).collect();
             Assigned { goals, cost: assignment.cost }

@@ -1,6 +1,7 @@
 //! Who is where in which step, and what a rule bars: one flat table over steps and cells.
 
 use super::space::{MOVES, NONE, Space, WAIT, opposite};
+use crate::search::Spent;
 
 /// One cell in one step.
 #[derive(Clone, Copy, Default)]
@@ -12,6 +13,9 @@ pub(super) struct Slot {
     /// How many of them leave by each move.
     pub leaving: [u8; MOVES],
 }
+
+/// Slots that there are at most: with the states of the low level about 600 MB.
+const MOST_SLOTS: usize = 1 << 25;
 
 /// The bit of a barred cell.
 pub(super) const CELL: u8 = 1 << WAIT;
@@ -44,9 +48,21 @@ impl Timetable {
     }
 
     /// Makes sure that there are as many layers; new ones are as the last.
-    pub(super) fn extend(&mut self, layers: usize) {
+    ///
+    /// # Errors
+    /// [`Spent`] if that takes more memory than a search may use.
+    pub(super) fn extend(&mut self, layers: usize) -> Result<(), Spent> {
         if layers <= self.layers {
-            return;
+            return Ok(());
+        }
+        let size = layers.saturating_mul(self.cells);
+        if size > MOST_SLOTS {
+            return Err(Spent);
+        }
+        // a quarter more at most: tables are large
+        let wanted = (size + size / 4).min(MOST_SLOTS);
+        if self.slots.capacity() < size {
+            self.slots.reserve_exact(wanted - self.slots.len());
         }
         let last = (self.layers - 1) * self.cells;
         self.slots.resize(layers * self.cells, Slot::default());
@@ -54,12 +70,16 @@ impl Timetable {
             self.slots.copy_within(last..last + self.cells, layer * self.cells);
         }
         self.layers = layers;
+        Ok(())
     }
 
     /// Adds (`by` = 1) or takes away (`by` = 255) a path, given as cells by step.
-    pub(super) fn count(&mut self, space: &Space, path: &[u32], by: u8) {
-        self.extend(path.len());
-        let Some(&last) = path.last() else { return };
+    ///
+    /// # Errors
+    /// As [`Timetable::extend`].
+    pub(super) fn count(&mut self, space: &Space, path: &[u32], by: u8) -> Result<(), Spent> {
+        self.extend(path.len())?;
+        let Some(&last) = path.last() else { return Ok(()) };
         for (step, pair) in path.windows(2).enumerate() {
             let slot = &mut self.slots[step * self.cells + pair[0] as usize];
             slot.here = slot.here.wrapping_add(by);
@@ -71,25 +91,33 @@ impl Timetable {
             let slot = &mut self.slots[layer * self.cells + last as usize];
             slot.here = slot.here.wrapping_add(by);
         }
+        Ok(())
     }
 
     /// Bars a cell in a step.
-    pub(super) fn bar_cell(&mut self, step: usize, cell: u32) {
-        self.bar(step, cell, CELL);
+    ///
+    /// # Errors
+    /// As [`Timetable::extend`].
+    pub(super) fn bar_cell(&mut self, step: usize, cell: u32) -> Result<(), Spent> {
+        self.bar(step, cell, CELL)
     }
 
     /// Bars a move that begins in a step.
-    pub(super) fn bar_move(&mut self, step: usize, cell: u32, direction: usize) {
-        self.bar(step, cell, 1 << direction);
+    ///
+    /// # Errors
+    /// As [`Timetable::extend`].
+    pub(super) fn bar_move(&mut self, step: usize, cell: u32, direction: usize) -> Result<(), Spent> {
+        self.bar(step, cell, 1 << direction)
     }
 
-    fn bar(&mut self, step: usize, cell: u32, bits: u8) {
-        self.extend(step + 2);
+    fn bar(&mut self, step: usize, cell: u32, bits: u8) -> Result<(), Spent> {
+        self.extend(step + 2)?;
         let index = step * self.cells + cell as usize;
         if self.slots[index].barred == 0 {
             self.barred.push(index);
         }
         self.slots[index].barred |= bits;
+        Ok(())
     }
 
     /// Lifts all bars.

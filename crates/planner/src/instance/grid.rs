@@ -40,7 +40,8 @@ impl GridInstance {
     /// Index of `cell` in `blocked`; nothing outside of the grid.
     pub fn index(&self, cell: Cell) -> Option<usize> {
         let inside = (0..self.width).contains(&cell.x) && (0..self.height).contains(&cell.y);
-        inside.then(|| cell.y as usize * self.width as usize + cell.x as usize)
+        let index = inside.then(|| cell.y as usize * self.width as usize + cell.x as usize);
+        index.filter(|&index| index < self.blocked.len())
     }
 
     /// Whether an agent may stand in `cell`.

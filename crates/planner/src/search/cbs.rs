@@ -4,13 +4,13 @@
 //! Sharon et al., "Conflict-based search for optimal multi-agent pathfinding" (2015); Hönig et al., "Conflict-based search
 //! with optimal task assignment" (2018) for the forest; Barer et al., "Suboptimal variants of the conflict-based search
 //! algorithm" (2014) for the bounded-suboptimal one; Boyarski et al., "Don't split, try to work it out: bypassing conflicts in
-//! multi-agent pathfinding" (2015); Chan et al., "Flex distribution for bounded-suboptimal multi-agent path finding" (2022)
-//! for the room that agents leave to each other.
+//! multi-agent pathfinding" (2015).
 //!
 //! # Deviations
 //! Best-first and focal search are one: with weight 1 only nodes of the least bound are taken. A root takes over the paths of
 //! the root before it for all agents whose goal is the same. What a bounded search found is polished at the end: agents are
-//! planned again, one by one, into what the others leave free.
+//! planned again, one by one, into what the others leave free. Roots are planned without slack: what agents need to make way
+//! they get below, where they are in conflict, which makes plans cheaper.
 
 use std::sync::Arc;
 
@@ -21,6 +21,9 @@ use crate::outcome::Effort;
 
 /// How often all agents are planned again after a bounded search.
 const POLISHES: usize = 4;
+
+/// Larger weights mean nothing, and infinite ones would spoil sums.
+const HEAVIEST: f64 = 1e6;
 
 /// How a conflict-based search goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +37,7 @@ pub struct Settings {
 impl Settings {
     /// Plans within `weight` (at least 1) of the optimum, polished.
     pub const fn within(weight: f64) -> Self {
-        Self { weight: if weight > 1.0 { weight } else { 1.0 }, polish: true }
+        Self { weight: if weight > 1.0 { weight.min(HEAVIEST) } else { 1.0 }, polish: true }
     }
 }
 
@@ -131,14 +134,8 @@ impl<D: Domain> Forest<'_, D> {
         }
         for &agent in &changed {
             let agent = agent as usize;
-            let query = Replan {
-                agent,
-                goal: goals.get(agent).copied().flatten(),
-                rules: &[],
-                weight: 1.0,
-                floor: 0.0,
-                ceiling: 0.0,
-            };
+            let query =
+                Replan { agent, goal: goals.get(agent).copied().flatten(), rules: &[], weight: 1.0, floor: 0.0 };
             if tree::replan(self.search.domain, &query, &mut paths, self.search.budget)?.is_none() {
                 return Ok(());
             }
@@ -221,26 +218,37 @@ impl<'a, D: Domain> Search<'a, D> {
                 }
                 return Ok(None);
             };
-            // the child's paths obey the node's rules too: it takes them over and need not be split here. Its own lower
-            // bounds stay, since the rule is not taken over.
-            let node = &mut self.tree.nodes[index as usize];
-            for (agent, mut planned) in child.replaced {
-                let slot = &mut paths[agent as usize];
-                planned.lower_bound = slot.as_ref().map_or(0.0, |old| old.lower_bound);
-                *slot = Some(planned.clone());
-                node.replaced.retain(|(other, _)| *other != agent);
-                node.replaced.push((agent, planned));
-            }
-            clashes = child.clashes;
-            let (cost, _) = tree::sums(&paths);
-            standing = Standing { lower_bound: standing.lower_bound, cost, conflicts: child.standing.conflicts };
-            node.standing = standing;
+            standing = self.take_over(index, child, &mut paths, &mut clashes, standing);
         }
+    }
+
+    /// Gives a node the paths of a child: they obey its rules too, and so it need not be split here. Its own lower bounds stay,
+    /// since the child's rule is not taken over.
+    pub(super) fn take_over(
+        &mut self,
+        index: u32,
+        child: Node<D>,
+        paths: &mut Paths<D::Path>,
+        clashes: &mut Vec<Pair<D::Conflict>>,
+        standing: Standing,
+    ) -> Standing {
+        let node = &mut self.tree.nodes[index as usize];
+        for (agent, mut planned) in child.replaced {
+            let slot = &mut paths[agent as usize];
+            planned.lower_bound = slot.as_ref().map_or(0.0, |old| old.lower_bound);
+            *slot = Some(planned.clone());
+            node.replaced.retain(|(other, _)| *other != agent);
+            node.replaced.push((agent, planned));
+        }
+        *clashes = child.clashes;
+        let (cost, _) = tree::sums(paths);
+        node.standing = Standing { lower_bound: standing.lower_bound, cost, conflicts: child.standing.conflicts };
+        node.standing
     }
 
     /// Whether a node with these paths may take over those of a child without splitting: only paths that it could have had
     /// itself.
-    fn bypasses(&self, standing: &Standing, child: &Node<D>, paths: &Paths<D::Path>) -> bool {
+    pub(super) fn bypasses(&self, standing: &Standing, child: &Node<D>, paths: &Paths<D::Path>) -> bool {
         let weight = self.settings.weight;
         let limit = if weight > 1.0 { self.open.limit(self.bound) } else { standing.cost };
         let own = child.replaced.iter().all(|(agent, planned)| {
@@ -261,7 +269,7 @@ impl<'a, D: Domain> Search<'a, D> {
         branch: Bound<D::Rule>,
     ) -> Result<Option<Node<D>>, Spent> {
         let mut old = Vec::new();
-        let result = self.replan_bound(parent, goals, paths, standing, &branch, &mut old);
+        let result = self.replan_bound(parent, goals, paths, &branch, &mut old);
         let child = match result {
             Ok(true) => {
                 let changed: Vec<u32> = old.iter().map(|(agent, _)| *agent).collect();
@@ -288,7 +296,6 @@ impl<'a, D: Domain> Search<'a, D> {
         parent: u32,
         goals: &Goals,
         paths: &mut Paths<D::Path>,
-        standing: Standing,
         branch: &Bound<D::Rule>,
         old: &mut Vec<(u32, Option<Planned<D::Path>>)>,
     ) -> Result<bool, Spent> {
@@ -302,17 +309,10 @@ impl<'a, D: Domain> Search<'a, D> {
         };
         for agent in affected {
             self.tree.rules(Some(parent), agent, Some(branch), &mut self.rules);
-            let (cost, floor) = paths[agent].as_ref().map_or((0.0, 0.0), |old| (old.cost, old.lower_bound));
+            let floor = paths[agent].as_ref().map_or(0.0, |old| old.lower_bound);
             let weight = self.settings.weight;
-            // what the other agents do not use of what they may
-            let ceiling = if weight > 1.0 {
-                let (sum, _) = tree::sums(paths);
-                (weight * standing.lower_bound - (sum - cost)).min(0.0)
-            } else {
-                0.0
-            };
             old.push((agent as u32, paths[agent].clone()));
-            let query = Replan { agent, goal: goals[agent], rules: &self.rules, weight, floor, ceiling };
+            let query = Replan { agent, goal: goals[agent], rules: &self.rules, weight, floor };
             if tree::replan(self.domain, &query, paths, self.budget)?.is_none() {
                 return Ok(false);
             }

@@ -94,7 +94,7 @@ pub struct Query<'a, D: Domain + ?Sized> {
     pub weight: f64,
     /// A lower bound that is known already, from fewer rules; 0 if none.
     pub floor: f64,
-    /// What the path may cost whatever its lower bound is, 0 if nothing: room that other agents left.
+    /// What the path may cost whatever its lower bound is: what it costs already, when a found plan is polished; else 0.
     pub ceiling: f64,
 }
 

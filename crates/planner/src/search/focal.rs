@@ -6,13 +6,19 @@
 //!
 //! # Deviations
 //! FOCAL is taken from the least lower *bound*, not from the least cost, so that what is found first is within `weight` of
-//! the optimum. With weight 1 this is best-first search with ties broken by conflicts.
+//! the optimum. Every fourth node is taken for its lower bound, which raises it (as the explicit estimation search of Li et
+//! al., "EECBS: a bounded-suboptimal search for multi-agent path finding" (2021) does from time to time). With weight 1 this is
+//! best-first search with ties broken by conflicts.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Slack for comparing sums of floats that were added up in different ways, relative.
 pub(super) const ROUNDING: f64 = 1e-10;
+
+/// Every so many nodes, one is taken for its lower bound instead of its conflicts. Found by trial: a tree that is searched by
+/// conflicts alone gets lost where the bound leaves too little room, and a raised bound gives it some.
+const RAISE: u32 = 4;
 
 /// A node with its rank; the least rank comes first, the youngest node among equals.
 #[derive(Clone, Copy)]
@@ -58,6 +64,7 @@ pub(super) struct Standing {
 /// The open nodes.
 pub(super) struct Open {
     weight: f64,
+    turns: u32,
     /// All, by lower bound; some of them may be taken already.
     by_bound: BinaryHeap<Entry>,
     /// Those that may be taken, by conflicts.
@@ -74,6 +81,7 @@ impl Open {
     pub(super) const fn new(weight: f64) -> Self {
         Self {
             weight,
+            turns: 0,
             by_bound: BinaryHeap::new(),
             focal: BinaryHeap::new(),
             waiting: BinaryHeap::new(),
@@ -117,6 +125,10 @@ impl Open {
             }
             self.waiting.pop();
         }
+        self.turns = self.turns.wrapping_add(1);
+        if self.turns.is_multiple_of(RAISE) {
+            return self.cheapest();
+        }
         while let Some(first) = self.focal.pop() {
             if !self.taken[first.node as usize] {
                 self.taken[first.node as usize] = true;
@@ -125,6 +137,12 @@ impl Open {
         }
         // only if the least bound stands beside a cost that is too high, which a sound domain does not produce but through
         // rounding: searching below it is right all the same
+        self.cheapest()
+    }
+
+    /// The node of the least lower bound.
+    fn cheapest(&mut self) -> Option<u32> {
+        self.bound()?;
         let first = self.by_bound.pop()?;
         self.taken[first.node as usize] = true;
         Some(first.node)

@@ -96,8 +96,8 @@ pub(super) fn replan<D: Domain>(
     paths: &mut Paths<D::Path>,
     budget: &Budget<'_>,
 ) -> Result<Option<Planned<D::Path>>, Spent> {
-    let Replan { agent, goal, rules, weight, floor, ceiling } = *query;
-    let found = domain.plan(&Query { agent, goal, rules, paths, weight, floor, ceiling }, budget)?;
+    let Replan { agent, goal, rules, weight, floor } = *query;
+    let found = domain.plan(&Query { agent, goal, rules, paths, weight, floor, ceiling: 0.0 }, budget)?;
     Ok(found.map(|mut planned| {
         planned.lower_bound = planned.lower_bound.max(floor);
         paths[agent] = Some(planned.clone());
@@ -112,7 +112,6 @@ pub(super) struct Replan<'a, D: Domain> {
     pub rules: &'a [Bound<D::Rule>],
     pub weight: f64,
     pub floor: f64,
-    pub ceiling: f64,
 }
 
 /// Sums over all paths: cost and lower bound.
