@@ -26,8 +26,13 @@ pub enum Planner {
 
 impl Planner {
     /// All of them, by name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("cbs", Self::Grid(grid::Planner::Cbs)), ("ecbs", Self::Grid(grid::Planner::Ecbs)), ("cl-cbs", Self::Car)];
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("cbs", Self::Grid(grid::Planner::Cbs)),
+        ("ecbs", Self::Grid(grid::Planner::Ecbs)),
+        ("cbs-ta", Self::Grid(grid::Planner::CbsTa)),
+        ("ecbs-ta", Self::Grid(grid::Planner::EcbsTa)),
+        ("cl-cbs", Self::Car),
+    ];
 
     /// The one called `name`.
     pub fn named(name: &str) -> Option<Self> {

@@ -299,10 +299,10 @@ fn convex_polygons(list: Option<Node<'_>>) -> Result<Vec<Obstacle>, FormatError>
         if corners.len() < 3 || corners.len() > 1000 {
             return Err(node.wrong("polygons", "polygons of 3 to 1000 corners [x, y]"));
         }
-        if turns(&corners) < 0 {
+        if turns(&corners).sum::<f64>() < 0.0 {
             corners.reverse();
         }
-        if turns(&corners) != 1 {
+        if !is_convex(&corners) {
             return Err(node.error(FormatProblem::NotConvex));
         }
         polygons.push(Obstacle::Polygon(corners));
@@ -310,24 +310,18 @@ fn convex_polygons(list: Option<Node<'_>>) -> Result<Vec<Obstacle>, FormatError>
     Ok(polygons)
 }
 
-/// How often a convex outline turns, counter-clockwise positive; nothing for any other.
-fn turns(corners: &[Point2<f64>]) -> i32 {
-    let n = corners.len();
-    let edge = |i: usize| corners[(i + 1) % n] - corners[i % n];
-    let mut sign = 0.0;
-    let mut total = 0.0;
-    for i in 0..n {
-        let (a, b): (Vector2<f64>, Vector2<f64>) = (edge(i), edge(i + 1));
-        let cross = se2::cross(&a, &b);
-        if cross * sign < 0.0 || (cross == 0.0 && a.dot(&b) <= 0.0) {
-            return 0;
-        }
-        if cross != 0.0 {
-            sign = cross.signum();
-        }
-        total += cross.atan2(a.dot(&b));
-    }
-    (total / std::f64::consts::TAU).round() as i32
+/// By which angle the outline turns at each corner, counter-clockwise positive.
+fn turns(corners: &[Point2<f64>]) -> impl Iterator<Item = f64> {
+    let edge = |i: usize| -> Vector2<f64> { corners[(i + 1) % corners.len()] - corners[i % corners.len()] };
+    (0..corners.len()).map(move |i| se2::cross(&edge(i), &edge(i + 1)).atan2(edge(i).dot(&edge(i + 1))))
+}
+
+/// Whether corners stand counter-clockwise around a convex area. Corners on a straight line may be off by rounding; needles and
+/// edges of no length are none.
+fn is_convex(corners: &[Point2<f64>]) -> bool {
+    let sound = |turn: f64| (-1e-9..std::f64::consts::PI - 1e-6).contains(&turn);
+    let apart = (0..corners.len()).all(|i| (corners[(i + 1) % corners.len()] - corners[i]).norm() >= 1e-6);
+    apart && turns(corners).all(sound) && (turns(corners).sum::<f64>() - std::f64::consts::TAU).abs() < 1e-6
 }
 
 #[cfg(test)]

@@ -144,6 +144,8 @@ fn errors_name_the_place() {
         |corners: &str| message(&format!("agents: []\nmap:\n  dimensions: [8, 4]\n  polygons:\n  - {corners}"));
     assert_eq!(polygon("[[0, 0], [2, 0], [1, 0.2], [1, 1]]"), "a.yaml:5:5: the polygon is not convex, or has no area");
     assert_eq!(polygon("[[0, 0], [2, 0], [1, 0]]"), "a.yaml:5:5: the polygon is not convex, or has no area");
+    // a needle, found by fuzzing: nobody could say whether it is convex
+    assert_eq!(polygon("[[20, 20], [24, 20], [1000000, 23]]"), "a.yaml:5:5: the polygon is not convex, or has no area");
     assert_eq!(
         polygon("[[0, 0], [2, 0]]"),
         "a.yaml:5:5: `polygons` must be polygons of 3 to 1000 corners [x, y], not a list of 2"
