@@ -21,8 +21,11 @@ pub(super) struct Ranked<'a> {
     field: &'a Field,
     places: Vec<Place>,
     /// By agent and place of the list: which of the agent's goals is there.
-    which: Vec<Vec<Option<usize>>>,
-    next_best: NextBest,
+    pub(super) which: Vec<Vec<Option<usize>>>,
+    /// By agent and place of the list.
+    pub(super) costs: Costs,
+    /// Nothing before the first is asked for.
+    next_best: Option<NextBest>,
     /// Whether costs are bounds on what the ways cost.
     bounds: bool,
 }
@@ -57,21 +60,26 @@ impl<'a> Ranked<'a> {
             }
             which.push(own);
         }
-        let next_best = NextBest::new(&Costs::new(checked.starts.len(), places.len(), values));
-        Self { field, places, which, next_best, bounds: metric == Metric::Curve }
+        let costs = Costs::new(checked.starts.len(), places.len(), values);
+        Self { field, places, which, costs, next_best: None, bounds: metric == Metric::Curve }
     }
 }
 
 impl Assignments for Ranked<'_> {
     /// Assignments whose goals can all be occupied at once.
     fn next(&mut self, budget: &Budget<'_>) -> Result<Option<Assigned>, Spent> {
+        let work = self.costs.work();
+        let mut ranked = match self.next_best.take() {
+            Some(ranked) => ranked,
+            None => NextBest::first(&self.costs, || budget.spend(work))?,
+        };
         loop {
-            budget.spend(self.next_best.work().max(1))?;
-            let Some(assignment) = self.next_best.next() else { return Ok(None) };
+            let Some(assignment) = ranked.following(|| budget.spend(work))? else { return Ok(None) };
             let taken: Vec<&Place> = assignment.goals.iter().flatten().map(|goal| &self.places[*goal]).collect();
             let clear =
                 taken.iter().enumerate().all(|(i, a)| taken[i + 1..].iter().all(|b| !collide(self.field, a, b)));
             if clear {
+                self.next_best = Some(ranked);
                 let goals = assignment.goals.iter().zip(&self.which).map(|(goal, which)| which[(*goal)?]).collect();
                 return Ok(Some(Assigned { goals, cost: if self.bounds { assignment.cost } else { 0.0 } }));
             }

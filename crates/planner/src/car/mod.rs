@@ -161,13 +161,7 @@ impl Planner<'_> {
             let only = given.then(|| Given::new(assigned.goals.clone()));
             match self.fast(assigned, &mut *assignments, assign, budget)? {
                 Ok(Some(draft)) if self.is_cheap(&draft) => return Ok(Ok(draft)),
-                Ok(_) => {
-                    return match only {
-                        Some(mut only) => self.tree(&mut only, budget),
-                        None => self
-                            .tree(&mut *self::assignments(field, checked, assign.then_some(metric), &without), budget),
-                    };
-                }
+                Ok(_) => return self.tree(only, assign, &without, budget),
                 Err((agent, goal)) => {
                     reasons.push(Reason::Unreachable { agent, goal });
                     if !assign {
@@ -263,15 +257,25 @@ impl Planner<'_> {
         Ok(Ok(planned?.then(|| fleet.ways())))
     }
 
-    /// The conflict tree over assignments.
+    /// The conflict tree: one whose assignment follows the constraints, where goals are to be assigned.
     fn tree(
         &mut self,
-        assignments: &mut dyn Assignments,
+        only: Option<Given>,
+        assign: bool,
+        without: &[(usize, usize)],
         budget: &Budget<'_>,
     ) -> Result<Result<Draft, Vec<Reason>>, Spent> {
-        let mut cars = Cars::new(self.field, &self.checked.starts, &self.checked.goals);
+        let (field, checked) = (self.field, self.checked);
+        let mut cars = Cars::new(field, &checked.starts, &checked.goals);
         let settings = Settings::within(self.options.bound.unwrap_or(LOOSE));
-        let (found, effort) = search::solve(&mut cars, assignments, &settings, budget);
+        let (found, effort) = match only {
+            Some(mut only) => search::solve(&mut cars, &mut only, &settings, budget),
+            None if assign => {
+                let Ranked { costs, which, .. } = Ranked::new(field, checked, Metric::Curve, without);
+                search::solve_incremental(&mut cars, &costs, &which, &settings, budget)
+            }
+            None => search::solve(&mut cars, &mut *assignments(field, checked, None, &[]), &settings, budget),
+        };
         self.effort.high_level_expanded += effort.high_level_expanded;
         self.effort.low_level_expanded += effort.low_level_expanded;
         self.effort.assignments += effort.assignments;
