@@ -77,7 +77,8 @@ fn world(vehicle: Vehicle, arcs: &[Arc], obstacles: Vec<Obstacle>) -> (CarInstan
         |(k, arc): (usize, &Arc)| Route { name: k.to_string(), goal: Some(0), states: vec![arc.from, arc.at(1.0)] };
     let agents = arcs.iter().enumerate().map(agent).collect();
     let routes = arcs.iter().enumerate().map(route).collect();
-    let instance = CarInstance { width: 20.0, height: 20.0, obstacles, vehicle, agents, assignment: false };
+    let instance =
+        CarInstance { width: 20.0, height: 20.0, obstacles, vehicle, agents, assignment: false, free_starts: false };
     (instance, CarPlan { routes, claims: Claims::default() })
 }
 
@@ -190,7 +191,7 @@ proptest! {
             Obstacle::Point { at: Point2::new(sizes[6], sizes[7]), radius: sizes[5] },
         ];
         let agents = agents.collect();
-        let instance = CarInstance { width: sizes[5], height: 50.0, obstacles, vehicle, agents, assignment };
+        let instance = CarInstance { width: sizes[5], height: 50.0, obstacles, vehicle, agents, assignment, free_starts: false };
         let routes = states.into_iter().enumerate().map(|(k, states)| Route {
             name: k.to_string(), goal: k.checked_sub(1), states,
         });

@@ -261,6 +261,7 @@ pub fn car(shape: &CarShape, seed: u64) -> Result<CarInstance, GenerateError> {
         });
         let radius = shape.obstacle_radius;
         return Ok(CarInstance {
+            free_starts: false,
             width: shape.size.into(),
             height: shape.size.into(),
             obstacles: points.into_iter().map(|at| Obstacle::Point { at, radius }).collect(),

@@ -108,6 +108,7 @@ fn cars() -> (CarInstance, CarPlan) {
         Obstacle::Point { at: Point2::new(5.0, 18.0), radius: 0.8 },
         Obstacle::Point { at: Point2::new(40.0, 30.0), radius: 0.8 },
     ];
-    let instance = CarInstance { width: 45.0, height: 40.0, obstacles, vehicle, agents, assignment: false };
+    let instance =
+        CarInstance { width: 45.0, height: 40.0, obstacles, vehicle, agents, assignment: false, free_starts: false };
     (instance, CarPlan { routes, claims: Claims::default() })
 }

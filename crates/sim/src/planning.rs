@@ -26,11 +26,13 @@ pub enum Planner {
 
 impl Planner {
     /// All of them, by name.
-    pub const NAMES: [(&'static str, Self); 5] = [
+    pub const NAMES: [(&'static str, Self); 7] = [
         ("cbs", Self::Grid(grid::Planner::Cbs)),
         ("ecbs", Self::Grid(grid::Planner::Ecbs)),
         ("cbs-ta", Self::Grid(grid::Planner::CbsTa)),
         ("ecbs-ta", Self::Grid(grid::Planner::EcbsTa)),
+        ("ita-cbs", Self::Grid(grid::Planner::ItaCbs)),
+        ("ita-ecbs", Self::Grid(grid::Planner::ItaEcbs)),
         ("cl-cbs", Self::Car),
     ];
 
@@ -63,6 +65,8 @@ pub struct Source {
     pub vehicle: Option<PathBuf>,
     /// Only so many of the agents.
     pub agents: Option<usize>,
+    /// Whether bodies may start inside an obstacle.
+    pub free_starts: bool,
 }
 
 /// Reads the instance in `path`. The map that a MovingAI scenario names is looked for in the scenario's folder.
@@ -74,7 +78,11 @@ pub fn read(path: &Path, source: &Source) -> Result<Document, FileError> {
     let name = path.display().to_string();
     if !text.starts_with("version ") {
         let config = source.vehicle.as_deref().map(read_vehicle).transpose()?;
-        return Ok(io::read_document(&text, &name, &io::Options { config, agents: source.agents })?);
+        let mut document = io::read_document(&text, &name, &io::Options { config, agents: source.agents })?;
+        if let Instance::Car(car) = &mut document.instance {
+            car.free_starts = source.free_starts;
+        }
+        return Ok(document);
     }
     // only the last part of the name: the others are folders of whoever made the scenario
     let named = || movingai::map_name(&text).and_then(|map| map.rsplit(['/', '\\']).next());
@@ -167,15 +175,23 @@ fn unknown(name: &str) -> FormatError {
     FormatError::new(name, 1, 1, io::FormatProblem::OtherKind { found, remedy: "give a grid, or cars" })
 }
 
+/// The usual bound on grids.
+pub const GRID_BOUND: f64 = 1.3;
+
 /// What to plan with.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
     /// Which search.
     pub planner: Planner,
-    /// By which factor the cost may exceed the lower bound.
-    pub bound: f64,
+    /// By which factor the cost may exceed the lower bound; without it [`GRID_BOUND`] on grids, and for bodies that drive
+    /// the fast planner's plan as it is.
+    pub bound: Option<f64>,
     /// When bodies count as touching.
     pub model: car::Model,
+    /// How many bodies that drive are planned at once; all without it.
+    pub batch: Option<usize>,
+    /// What assignments of goals to bodies that drive are judged by.
+    pub metric: car::Metric,
     /// CPU time, s, after which the search gives up.
     pub timeout: f64,
 }
@@ -204,11 +220,17 @@ pub fn solve(
     let (outcome, effort) = match (instance, request.planner) {
         (Instance::Grid(instance), Planner::Grid(planner)) => {
             let Ended { outcome, effort } =
-                grid::solve(instance, &grid::Options { planner, bound: request.bound }, &budget);
+                grid::solve(instance, &grid::Options { planner, bound: request.bound.unwrap_or(GRID_BOUND) }, &budget);
             (of_kind(outcome, AnyPlan::Grid), effort)
         }
         (Instance::Car(instance), Planner::Car) => {
-            let options = car::Options { model: request.model, ..car::Options::default() };
+            let options = car::Options {
+                model: request.model,
+                bound: request.bound,
+                batch: request.batch,
+                metric: request.metric,
+                ..car::Options::default()
+            };
             let Ended { outcome, effort } = car::solve(instance, &options, &budget);
             (of_kind(outcome, AnyPlan::Car), effort)
         }

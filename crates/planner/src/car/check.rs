@@ -1,9 +1,9 @@
 //! What makes an instance unsolvable before anything is searched.
 
+use super::Model;
 use super::body::Body;
 use super::curve::Place;
 use super::field::{Blocked, Field};
-use super::{Model, Starts};
 use crate::instance::CarInstance;
 use crate::outcome::Reason;
 
@@ -15,13 +15,13 @@ pub(super) struct Checked {
 }
 
 /// Looks at starts and goals: all reasons why there cannot be a plan.
-pub(super) fn check(field: &Field, instance: &CarInstance, rule: Starts) -> Result<Checked, Vec<Reason>> {
+pub(super) fn check(field: &Field, instance: &CarInstance) -> Result<Checked, Vec<Reason>> {
     let mut reasons = Vec::new();
     let starts: Vec<Place> = instance.agents.iter().map(|agent| field.place(&agent.start)).collect();
     for (agent, start) in starts.iter().enumerate() {
         match field.blocked(start) {
             Some(Blocked::Outside) => reasons.push(Reason::StartOutside { agent }),
-            Some(Blocked::By(at)) if rule == Starts::Checked => {
+            Some(Blocked::By(at)) if !instance.free_starts => {
                 reasons.push(Reason::StartBlocked { agent, obstacle: Some(at) });
             }
             _ => {}

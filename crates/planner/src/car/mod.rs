@@ -60,16 +60,6 @@ pub enum Model {
     Exact,
 }
 
-/// Whether starts have to be clear of obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Starts {
-    /// An instance with a start inside an obstacle has no solution.
-    #[default]
-    Checked,
-    /// Bodies may start inside an obstacle, as CL-CBS has it, and have to leave it in their first step.
-    Free,
-}
-
 /// How to plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -80,8 +70,6 @@ pub struct Options {
     pub bound: Option<f64>,
     /// So many bodies are planned at once, the later ones around the earlier ones; all at once without it.
     pub batch: Option<usize>,
-    /// Whether starts have to be clear of obstacles.
-    pub starts: Starts,
     /// What assignments are judged by.
     pub metric: Metric,
     /// How often all ways are improved after a plan was found.
@@ -90,14 +78,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self {
-            model: Model::Clcbs,
-            bound: None,
-            batch: None,
-            starts: Starts::Checked,
-            metric: Metric::Curve,
-            improvements: 2,
-        }
+        Self { model: Model::Clcbs, bound: None, batch: None, metric: Metric::Curve, improvements: 2 }
     }
 }
 
@@ -130,7 +111,7 @@ pub fn solve(instance: &CarInstance, options: &Options, budget: &Budget<'_>) -> 
         return ended(Outcome::BudgetSpent { best_bound: 0.0 }, Effort::default());
     }
     let field = Field::new(instance, options.model);
-    let checked = match check(&field, instance, options.starts) {
+    let checked = match check(&field, instance) {
         Ok(checked) => checked,
         Err(reasons) => return ended(Outcome::Infeasible(reasons), Effort::default()),
     };

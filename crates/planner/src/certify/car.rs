@@ -63,7 +63,7 @@ pub(super) fn check(instance: &CarInstance, plan: &CarPlan, model: Model) -> Vec
             check_route(instance, agent, route, model, &tolerance, &mut findings);
         }
     }
-    with_obstacles(&blocks, &routes, model, &tolerance, &mut work, &mut findings);
+    with_obstacles(&blocks, &routes, (model, instance.free_starts), &tolerance, &mut work, &mut findings);
     let mut work = Work { left: WORK_MAX };
     with_each_other(&instance.vehicle, &routes, model, &tolerance, &mut work, &mut findings);
     let time = routes.iter().flatten().map(|route| route.states.len() - 1).max().unwrap_or(0) as f64;

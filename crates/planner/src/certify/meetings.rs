@@ -109,7 +109,7 @@ fn is_convex(corners: &[Vector2<f64>]) -> bool {
 pub(super) fn with_obstacles(
     blocks: &[Block],
     routes: &[Option<&Route<Pose2>>],
-    model: Model,
+    (model, free_starts): (Model, bool),
     tolerance: &Tolerance,
     work: &mut Work,
     findings: &mut Findings,
@@ -121,7 +121,10 @@ pub(super) fn with_obstacles(
     };
     for (agent, route) in routes.iter().enumerate() {
         let Some(route) = route else { continue };
-        for (step, pose) in route.states.iter().enumerate() {
+        // with free starts a body need not be clear of obstacles before it moves
+        let unmoved =
+            route.states.iter().take_while(|state| free_starts && Some(*state) == route.states.first()).count();
+        for (step, pose) in route.states.iter().enumerate().skip(unmoved) {
             if !work.spend(blocks.len() as u64 + 1) {
                 too_much("obstacles", step as f64, findings);
                 return;

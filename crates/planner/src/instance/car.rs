@@ -145,6 +145,8 @@ pub struct CarInstance {
     pub agents: Vec<CarAgent>,
     /// Whether goals are to be assigned, as in [`GridInstance::assignment`](super::GridInstance::assignment).
     pub assignment: bool,
+    /// Whether bodies may start inside an obstacle, as CL-CBS lets them, and stay there until they first move.
+    pub free_starts: bool,
 }
 
 /// One body with its start and its goals. Poses of the reference point, yaw counter-clockwise.

@@ -110,7 +110,7 @@ pub fn read_document(text: &str, name: &str, options: &Options) -> Result<Docume
         });
     }
     let vehicle = config.vehicle;
-    let instance = CarInstance { width, height, obstacles, vehicle, agents: bodies, assignment };
+    let instance = CarInstance { width, height, obstacles, vehicle, agents: bodies, assignment, free_starts: false };
     Ok(Document { instance: Instance::Car(instance), heading })
 }
 

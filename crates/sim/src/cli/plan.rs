@@ -36,6 +36,27 @@ pub(super) struct Instance {
     /// When bodies count as touching.
     #[arg(long, value_enum, default_value = "clcbs")]
     model: Model,
+    /// Whether bodies may start inside an obstacle, as CL-CBS lets them.
+    #[arg(long, value_enum, default_value = "checked")]
+    starts: Starts,
+}
+
+/// Whether starts have to be clear of obstacles.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Starts {
+    /// A start inside an obstacle makes the instance infeasible.
+    Checked,
+    /// A body may start inside an obstacle and stay there until it first moves.
+    Free,
+}
+
+/// What assignments of goals to bodies that drive are judged by.
+#[derive(Clone, Copy, ValueEnum)]
+enum Metric {
+    /// The shortest curve that the body can drive.
+    Curve,
+    /// |Δx| + |Δy|, and only the first assignment: assign first, plan then.
+    Manhattan,
 }
 
 impl Instance {
@@ -47,7 +68,12 @@ impl Instance {
     }
 
     pub(super) fn source(&self) -> Source {
-        Source { map: self.map.clone(), vehicle: self.vehicle.clone(), agents: self.agents }
+        Source {
+            map: self.map.clone(),
+            vehicle: self.vehicle.clone(),
+            agents: self.agents,
+            free_starts: self.starts == Starts::Free,
+        }
     }
 }
 
@@ -55,12 +81,20 @@ impl Instance {
 pub(super) struct Plan {
     /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map.
     file: PathBuf,
-    /// Search: cbs or ecbs for grids (cbs-ta or ecbs-ta where goals are to be assigned), cl-cbs for bodies that drive.
+    /// Search: cbs or ecbs for grids (cbs-ta, ecbs-ta, ita-cbs or ita-ecbs where goals are to be assigned), cl-cbs for bodies that
+    /// drive.
     #[arg(long, value_name = "NAME", value_parser = planner)]
     planner: Option<Planner>,
-    /// By which factor the cost may exceed the lower bound.
-    #[arg(long, value_name = "W", default_value = "1.3", value_parser = bound)]
-    bound: f64,
+    /// By which factor the cost may exceed the lower bound. Usually 1.3 on grids; without it bodies that drive are planned
+    /// fast, with a bound that comes out as it does.
+    #[arg(long, value_name = "W", value_parser = bound)]
+    bound: Option<f64>,
+    /// Plan so many bodies that drive at once, later ones around earlier ones, instead of all.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    batch: Option<u32>,
+    /// What assignments of goals to bodies that drive are judged by.
+    #[arg(long, value_enum, default_value = "curve")]
+    metric: Metric,
     /// CPU time after which to give up, s.
     #[arg(long, value_name = "S", default_value = "60", value_parser = timeout)]
     timeout: f64,
@@ -98,7 +132,12 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
     let instance = &document.instance;
     let planner = arguments.planner.unwrap_or_else(|| Planner::for_instance(instance));
     let model = arguments.instance.touching();
-    let request = Request { planner, bound: arguments.bound, model, timeout: arguments.timeout };
+    let metric = match arguments.metric {
+        Metric::Curve => car::Metric::Curve,
+        Metric::Manhattan => car::Metric::Manhattan,
+    };
+    let batch = arguments.batch.map(|batch| batch as usize);
+    let request = Request { planner, bound: arguments.bound, model, batch, metric, timeout: arguments.timeout };
     let Some(answer) = planning::solve(instance, &request, &watch, interrupted) else {
         let usual = Planner::for_instance(instance).name();
         let message = format!("{} is not for an instance of this kind; use {usual}", planner.name());

@@ -144,6 +144,7 @@ fn plans_that_make_no_sense_are_drawn() {
     let states = vec![cohaul_core::se2::pose(f64::NAN, 1e300, 0.0), cohaul_core::se2::pose(1.0, f64::INFINITY, 1.0)];
     let routes = vec![Route { name: String::new(), goal: None, states }];
     let instance = CarInstance {
+        free_starts: false,
         width: f64::NAN,
         height: 1.0,
         obstacles: vec![Obstacle::Polygon(vec![])],
