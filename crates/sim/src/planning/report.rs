@@ -19,7 +19,7 @@ pub fn reasons(answer: &Answer, instance: &Instance) -> Vec<Value> {
 }
 
 /// What is wrong with a plan, by the names of the agents.
-pub fn violations(violations: &[Violation], instance: &Instance) -> Vec<Value> {
+pub fn violations(violations: &[Violation], instance: &Instance) -> Value {
     let listed = violations.iter().map(|violation| {
         let agents: Vec<String> = violation.agents.iter().map(|agent| name(instance, *agent)).collect();
         json!({"kind": violation.kind.name(), "time": violation.time, "agents": agents, "detail": violation.detail})
