@@ -246,6 +246,25 @@ def test_ctrl_c_ends_a_search(command, written):
         assert process.returncode != 0 and "KeyboardInterrupt" in complaint
 
 
+# the samples of the repository
+
+SAMPLES = sorted((ROOT / "scenarios/planner").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", SAMPLES, ids=lambda path: path.stem)
+def test_samples_say_what_they_are_and_can_be_solved(path):
+    assert path.read_text().startswith("# ") and f"cohaul plan scenarios/planner/{path.name}" in path.read_text()
+    for model in ("clcbs", "exact"):
+        plan = cohaul.plan(path, model=model)
+        assert plan.solved and cohaul.certify(plan, model=model) == []
+
+
+def test_the_picture_of_the_readme_is_the_commands(tmp_path):
+    picture = tmp_path / "cars.svg"
+    answer("plan", SAMPLES[[path.stem for path in SAMPLES].index("cars")], "--model", "exact", "--picture", picture)
+    assert picture.read_text() == (ROOT / "scenarios/planner/cars.svg").read_text()
+
+
 # through the command
 
 
