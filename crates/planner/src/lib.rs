@@ -5,6 +5,7 @@ pub mod capacity;
 pub mod conic;
 pub mod formation;
 pub mod instance;
+pub mod load_path;
 pub mod outcome;
 pub mod plan;
 pub mod search;

@@ -10,6 +10,7 @@ use cohaul_core::scenario::{self, Override, Parsed, ScenarioError};
 use cohaul_core::time::Time;
 use cohaul_planner::capacity::{self, Capacity, CapacityError};
 use cohaul_planner::formation::{self, FormationPlanError, ReformError};
+use cohaul_planner::load_path::{self, LoadPathError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -42,6 +43,9 @@ pub enum FileError {
     /// The slots that it leaves open cannot be chosen.
     #[error(transparent)]
     Formation(#[from] FormationPlanError),
+    /// The waypoints that it leaves open cannot be planned.
+    #[error(transparent)]
+    LoadPath(LoadPathError),
     /// What the team can do cannot be said.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
@@ -62,6 +66,15 @@ pub enum FileError {
     Threads(String),
 }
 
+impl From<LoadPathError> for FileError {
+    fn from(error: LoadPathError) -> Self {
+        match error {
+            LoadPathError::Formation(error) => Self::Formation(error),
+            error => Self::LoadPath(error),
+        }
+    }
+}
+
 pub(crate) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FileError {
     move |source| FileError::Io { action, path: path.to_owned(), source }
 }
@@ -78,15 +91,16 @@ pub fn read_scenario(path: &Path, overrides: &[Override]) -> Result<Parsed, File
     Ok(scenario::parse(&path.display().to_string(), &text, overrides)?)
 }
 
-/// The scenario of one seed, everything in `randomize` drawn from it, slots left open (`slots: auto`) chosen.
+/// The scenario of one seed, everything in `randomize` drawn from it, slots and waypoints left open (`slots: auto`,
+/// `plan: auto`) chosen.
 ///
 /// # Errors
-/// Values drawn together that make no valid scenario, or slots that cannot be chosen.
+/// Values drawn together that make no valid scenario, slots that cannot be chosen, or loads without a way.
 pub fn draw(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, FileError> {
-    Ok(formation::resolve(&draw_open(parsed, seed)?)?)
+    Ok(load_path::resolve(&draw_open(parsed, seed)?)?)
 }
 
-/// The same with slots left open.
+/// The same with what it leaves open still open.
 pub(crate) fn draw_open(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, ScenarioError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed.unwrap_or(parsed.scenario.seed));
     parsed.resolve(seed, &mut || random.random::<f64>())
