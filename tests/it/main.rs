@@ -10,6 +10,7 @@ mod experiments;
 mod flow;
 mod formation;
 mod layering;
+mod load_path;
 mod missions;
 mod scenarios;
 mod trials;

@@ -30,15 +30,15 @@ struct Cells {
 /// # Errors
 /// A spent budget.
 pub(super) fn connects(task: &Task, radius: f64, budget: &Budget<'_>) -> Result<bool, Spent> {
-    Ok(Cells::new(task, radius, budget)?.connects(None))
+    Ok(Cells::new(task, radius, true, budget)?.connects(None))
 }
 
-/// Everything whose removal alone would let a disc of `radius` m through.
+/// Everything whose removal alone would let a disc of `radius` m through, as far as the middles of cells tell.
 ///
 /// # Errors
 /// A spent budget.
 pub(super) fn in_the_way(task: &Task, radius: f64, budget: &Budget<'_>) -> Result<Vec<Obstruction>, Spent> {
-    let cells = Cells::new(task, radius, budget)?;
+    let cells = Cells::new(task, radius, false, budget)?;
     let mut found = Vec::new();
     if cells.connects(None) {
         return Ok(found);
@@ -53,7 +53,8 @@ pub(super) fn in_the_way(task: &Task, radius: f64, budget: &Budget<'_>) -> Resul
 }
 
 impl Cells {
-    fn new(task: &Task, radius: f64, budget: &Budget<'_>) -> Result<Self, Spent> {
+    /// Cells that the disc cannot be in with its centre in the middle, or, if `anywhere`, at any point of the cell.
+    fn new(task: &Task, radius: f64, anywhere: bool, budget: &Budget<'_>) -> Result<Self, Spent> {
         let (low, high) = extent(task);
         let size = (high - low).sup(&Vector2::zeros());
         let step = CELL.max((size.x * size.y / CELLS).sqrt()).max(size.x.max(size.y) / CELLS);
@@ -63,7 +64,7 @@ impl Cells {
             (place.y as usize).min(rows - 1) * columns + (place.x as usize).min(columns - 1)
         };
         // nothing in the cell is farther from an obstacle than its centre and half its diagonal
-        let needed = radius - step * std::f64::consts::FRAC_1_SQRT_2;
+        let needed = if anywhere { radius - step * std::f64::consts::FRAC_1_SQRT_2 } else { radius };
         let mut near = vec![(0, 0); columns * rows];
         for (index, obstacle) in task.obstacles.iter().enumerate() {
             let mut bounds = (obstacle.corners[0], obstacle.corners[0]);

@@ -52,7 +52,7 @@ const LONGEST: f64 = 2.0;
 /// Spacings of the grids tried one after the other, m.
 const GRIDS: [Option<f64>; 3] = [None, Some(0.5), Some(0.25)];
 /// Work allowed where a scenario is resolved, in tests of a leg against an obstacle (some microseconds each).
-pub const EFFORT: u64 = 4_000_000;
+pub const EFFORT: u64 = 2_000_000;
 
 /// Distance that load and robots keep from obstacles on the way planned, m, for waypoints that count as reached within
 /// `tolerance` m.

@@ -12,7 +12,7 @@ const SLACK: f64 = 0.01;
 /// Largest turn around a corner between two points beside it, rad.
 const FACET: f64 = std::f64::consts::FRAC_PI_3;
 /// Grids are made coarser rather than larger than this.
-const GRID: f64 = 1200.0;
+const GRID: f64 = 800.0;
 /// Distances within which the nearest points of two obstacles count as one, m.
 const SAME: f64 = 1e-6;
 
@@ -21,9 +21,9 @@ const SAME: f64 = 1e-6;
 pub(super) struct Roadmap {
     pub points: Vec<Vector2<f64>>,
     /// How many of them do not come from a grid.
-    pub special: usize,
-    /// Legs between two points of the grid are at most this long, m.
-    pub reach: f64,
+    special: usize,
+    /// Distance of neighbours on the grid, m; infinite without one.
+    step: f64,
 }
 
 impl Roadmap {
@@ -51,12 +51,11 @@ impl Roadmap {
             }
         }
         let special = kept.len();
-        let mut reach = f64::INFINITY;
+        let mut step = f64::INFINITY;
         if let Some(spacing) = spacing {
             let (low, high) = extent(task);
             let size = high - low;
-            let step = spacing.max((size.x * size.y / GRID).sqrt());
-            reach = 3.0 * step;
+            step = spacing.max((size.x * size.y / GRID).sqrt());
             let (columns, rows) = ((size.x / step) as usize, (size.y / step) as usize);
             for row in 0..=rows {
                 budget.spend(work * columns as u64)?;
@@ -68,7 +67,16 @@ impl Roadmap {
                 }
             }
         }
-        Ok(Self { points: kept, special, reach })
+        Ok(Self { points: kept, special, step })
+    }
+
+    /// Longest leg tried between two points, m: on the grid many short ones do for a long one.
+    pub fn longest_leg(&self, from: usize, to: usize) -> f64 {
+        match (from >= self.special, to >= self.special) {
+            (false, false) => f64::INFINITY,
+            (true, true) => 3.0 * self.step,
+            _ => 8.0 * self.step,
+        }
     }
 }
 

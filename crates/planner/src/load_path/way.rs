@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use cohaul_core::se2::wrap_angle;
 use nalgebra::Vector2;
 
-use super::body::{CLASSES, Room, class_of};
+use super::body::{CLASS, CLASSES, Room, class_of};
 use super::roadmap::Roadmap;
 use super::task::Task;
 use crate::search::{Budget, Spent};
@@ -18,6 +18,8 @@ const TURN: f64 = 0.7;
 const STOP: f64 = 0.3;
 /// Deviation from a turn's nominal angle within which the load may go the other way round, rad.
 const DOUBT: f64 = 0.35;
+/// Difference of headings up to which one serves for another where the load may travel backwards, rad.
+const NEAR: f64 = 0.3;
 /// Legs shorter than this are none, m.
 const SHORTEST: f64 = 0.05;
 
@@ -28,6 +30,8 @@ struct Leg {
     heading: f64,
     cost: f64,
     before: u32,
+    /// Another good leg to the same point.
+    sibling: u32,
 }
 
 /// A leg that is still to be tested.
@@ -72,7 +76,8 @@ pub(super) struct Search<'a> {
     tested: Vec<u8>,
     /// Classes of headings that the body may have at each point, one bit each.
     free: Vec<Option<u128>>,
-    reached: Vec<bool>,
+    /// The good leg to each point that was found last.
+    latest: Vec<u32>,
     legs: Vec<Leg>,
     open: BinaryHeap<Candidate>,
     room: Room,
@@ -90,7 +95,7 @@ pub(super) fn cheapest(task: &Task, map: &Roadmap, budget: &Budget<'_>) -> Resul
         budget,
         tested: vec![0; 2 * count * count],
         free: vec![None; count],
-        reached: vec![false; 2 * count * count],
+        latest: vec![NONE; count],
         legs: Vec::new(),
         open: BinaryHeap::new(),
         room: Room::default(),
@@ -132,7 +137,11 @@ impl Search<'_> {
             let (from, heading, cost) = self.end_of(before);
             let Some((ahead, backwards)) = self.heading(from, to, heading) else { continue };
             let leg = self.index(from, to, backwards);
-            if self.reached[leg] || !self.is_good(from, to, ahead, leg)? || !self.can_turn(from, heading, ahead)? {
+            let cost = cost + self.cost(from, to, heading, ahead);
+            if self.is_worse(to, ahead, cost)?
+                || !self.is_good(from, to, ahead, leg)?
+                || !self.can_turn(from, heading, ahead)?
+            {
                 continue;
             }
             if to == GOAL
@@ -141,10 +150,9 @@ impl Search<'_> {
             {
                 continue;
             }
-            self.reached[leg] = true;
-            let cost = cost + self.cost(from, to, heading, ahead);
             let index = self.legs.len() as u32;
-            self.legs.push(Leg { to, heading: ahead, cost, before });
+            let sibling = std::mem::replace(&mut self.latest[to as usize], index);
+            self.legs.push(Leg { to, heading: ahead, cost, before, sibling });
             if to == GOAL {
                 return Ok(Some(self.way(index)));
             }
@@ -157,6 +165,29 @@ impl Search<'_> {
         self.legs.get(leg as usize).map_or((START, self.task.start_yaw, 0.0), |leg| (leg.to, leg.heading, leg.cost))
     }
 
+    /// Whether a leg to `point` is of no use, for another one leads there that does as well: with nearly the same heading, or
+    /// with any where the body may turn as it likes.
+    fn is_worse(&mut self, point: u32, heading: f64, cost: f64) -> Result<bool, Spent> {
+        if self.latest[point as usize] == NONE {
+            return Ok(false);
+        }
+        let free = self.free_at(point)? == (1 << CLASSES) - 1;
+        let near = match (free, self.task.either_way) {
+            (true, false) => PI,
+            (true, true) => NEAR,
+            (false, _) => CLASS,
+        };
+        let mut at = self.latest[point as usize];
+        while let Some(leg) = self.legs.get(at as usize) {
+            let turn = wrap_angle(heading - leg.heading).abs();
+            if turn <= near && leg.cost + TURN * turn <= cost + 1e-9 {
+                return Ok(true);
+            }
+            at = leg.sibling;
+        }
+        Ok(false)
+    }
+
     /// Takes up the legs from `point` on.
     fn expand(&mut self, point: u32, heading: f64, cost: f64, before: u32) -> Result<(), Spent> {
         let count = self.map.points.len();
@@ -164,13 +195,13 @@ impl Search<'_> {
         let at = self.map.points[point as usize];
         for to in 0..count as u32 {
             let length = (self.map.points[to as usize] - at).norm();
-            let on_grid = (point as usize) >= self.map.special && (to as usize) >= self.map.special;
-            if to == START || length < SHORTEST || (on_grid && length > self.map.reach) {
+            let longest = self.map.longest_leg(point as usize, to as usize);
+            if to == START || length < SHORTEST || length > longest {
                 continue;
             }
             let Some((ahead, backwards)) = self.heading(point, to, heading) else { continue };
             let leg = self.index(point, to, backwards);
-            if self.reached[leg] || self.tested[leg] == 2 {
+            if self.tested[leg] == 2 {
                 continue;
             }
             let total = cost + self.cost(point, to, heading, ahead) + self.at_least(to, ahead);
@@ -237,15 +268,7 @@ impl Search<'_> {
 
     /// Whether the body can turn at `point` from one heading to another, as the controller would.
     fn can_turn(&mut self, point: u32, from: f64, to: f64) -> Result<bool, Spent> {
-        let index = point as usize;
-        let free = match self.free[index] {
-            Some(free) => free,
-            None => {
-                let free = free_classes(self.task, &self.map.points[index], self.budget, &mut self.room)?;
-                self.free[index] = Some(free);
-                free
-            }
-        };
+        let free = self.free_at(point)?;
         if free == (1 << CLASSES) - 1 {
             return Ok(true);
         }
@@ -256,6 +279,16 @@ impl Search<'_> {
         let (first, last) = if turn >= 0.0 { (class_of(from), class_of(to)) } else { (class_of(to), class_of(from)) };
         let classes = (last + CLASSES - first) % CLASSES;
         Ok((0..=classes).all(|k| free >> ((first + k) % CLASSES) & 1 == 1))
+    }
+
+    fn free_at(&mut self, point: u32) -> Result<u128, Spent> {
+        let index = point as usize;
+        if let Some(free) = self.free[index] {
+            return Ok(free);
+        }
+        let free = free_classes(self.task, &self.map.points[index], self.budget, &mut self.room)?;
+        self.free[index] = Some(free);
+        Ok(free)
     }
 
     fn way(&self, last: u32) -> Vec<Vector2<f64>> {

@@ -109,7 +109,7 @@ impl Experiment for Clutter {
     }
 
     fn cells(&self) -> Vec<Design> {
-        (1..=MAPS).map(|map| Design::new(CLUTTER).level("map", map)).collect()
+        (1..=MAPS).map(|map| Design::new(CLUTTER).level("map", map).set("terrain.obstacles", "[]")).collect()
     }
 
     fn run(
