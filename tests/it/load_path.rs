@@ -111,7 +111,7 @@ fn what_is_in_the_way_is_said() {
     let (why, text) = reason(&start);
     assert_eq!(why, Reason::StartBlocked { agent: 0, obstacle: Some(1) });
     assert!(text.contains("nearer to obstacle 1"), "{text}");
-    let narrow = map("[-1.8, -1.05, 11.8, 1.05]", &[], &[]);
+    let narrow = map("[-1.8, -1.02, 11.8, 1.02]", &[], &[]);
     let (why, text) = reason(&narrow);
     assert_eq!(why, Reason::StartBlocked { agent: 0, obstacle: None });
     assert!(text.contains("a wall"), "{text}");

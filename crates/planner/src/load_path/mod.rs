@@ -45,8 +45,8 @@ use check::{Clearance, Refused};
 use roadmap::Roadmap;
 use task::Task;
 
-/// Room for what the controller does beside its line, m, over the tolerance: measured, see [`margin`].
-const ROOM: f64 = 0.10;
+/// Room for what the controller does beside its line, m: measured, see [`margin`].
+const ROOM: f64 = 0.15;
 /// Longest leg, m: a load leaves its line by up to a quarter of the controller's threshold times the leg's length.
 const LONGEST: f64 = 2.0;
 /// Spacings of the grids tried one after the other, m.
@@ -56,8 +56,13 @@ pub const EFFORT: u64 = 2_000_000;
 
 /// Distance that load and robots keep from obstacles on the way planned, m, for waypoints that count as reached within
 /// `tolerance` m.
+///
+/// Measured with [`swept`] in missions of `cohaul reproduce r2p2-clutter`: under R2P2 load and robots left the sweep of their
+/// plan by at most 0.09 m on flat ground (seeds 1 to 5 on 20 maps; tolerances of 0.05, 0.1 and 0.2 m and `drive: nearest` make no
+/// difference, seed 6) and by at most 0.11 m on slopes of 5° (seed 6). The margin is 4 cm more, and at least the tolerance,
+/// within which the controller may be anywhere.
 pub fn margin(tolerance: f64) -> f64 {
-    ROOM + tolerance
+    ROOM.max(tolerance)
 }
 
 /// What is fixed in the surroundings.
