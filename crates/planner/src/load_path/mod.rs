@@ -2,21 +2,22 @@
 //!
 //! # Source
 //! [R2P2] §III and §IV-A take waypoints as given; the load turns on the spot towards the next one, then translates along a
-//! straight line. So a way is a polyline, the heading on each leg is its bearing, and what needs room is the load with its robots in
-//! their slots: swept along each leg, turned at each waypoint.
+//! straight line. So a way is a polyline, the heading on each leg is its bearing, and what needs room is the load with its
+//! robots in their slots: swept along each leg, turned at each waypoint.
 //!
 //! # Method
-//! - The body is the convex hull of the load and of the robots in their slots ([`body`]). A leg sweeps the hull over all
+//! - The body is the convex hull of the load and of the robots in their slots (`body.rs`). A leg sweeps the hull over all
 //!   headings that the controller lets a translation have; it is tested exactly against every convex obstacle. Turns are tested
 //!   in classes of 5°, each a convex hull too.
 //! - Points to turn at lie beside the corners of obstacles and in their gaps; where these do not suffice, also on grids of 0.5
-//!   and 0.25 m ([`roadmap`]).
-//! - A* over legs finds the cheapest way of the roadmap ([`way`]): metres, plus 0.7 m per radian turned, plus 0.3 m per
+//!   and 0.25 m (`roadmap.rs`).
+//! - A* over legs finds the cheapest way of the roadmap (`way.rs`): metres, plus 0.7 m per radian turned, plus 0.3 m per
 //!   waypoint, which makes it about a time. Legs are tested when it is their turn.
-//! - If nothing is found, a flood over cells tells whether even the body's inner disc has no way, which is a proof ([`flood`]).
+//! - If nothing is found, a flood over cells tells whether even the body's inner disc has no way, which is a proof (`flood.rs`).
 //!
 //! # Deviations
-//! - The cheapest way over the roadmap is not the cheapest of all. The first roadmap that has one ends the search.
+//! - The cheapest way over the roadmap is not the cheapest of all. The first roadmap that has one ends the search. Where the
+//!   team cannot turn as it likes, legs that come in within 5° of each other count as one.
 //! - "No way" is a proof for the body's inner disc; for the body it is an answer of the finest roadmap.
 //! - The other teams and their loads are not looked at: they move.
 //!
