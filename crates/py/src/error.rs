@@ -56,7 +56,7 @@ pub fn file(error: FileError) -> PyErr {
     match error {
         FileError::Scenario(error) => scenario(&error),
         FileError::Sim(error) => sim(&error),
-        FileError::Formation(_) | FileError::Capacity(_) | FileError::Reform(_) => {
+        FileError::Formation(_) | FileError::LoadPath(_) | FileError::Capacity(_) | FileError::Reform(_) => {
             python::PlanError::new_err(chain(&error))
         }
         FileError::Io { source, path, .. } if source.kind() == ErrorKind::NotFound => {
