@@ -95,6 +95,7 @@ impl Domain for Cars<'_> {
                 field: self.field,
                 traffic: &traffic,
                 weights,
+                prices: &self.field.prices,
                 start,
                 goal,
                 rules: &rules,
