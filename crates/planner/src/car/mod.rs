@@ -95,6 +95,15 @@ impl Draft {
     }
 }
 
+/// What the fast planner comes to.
+enum Drafted {
+    Ways(Vec<Arc<Way>>),
+    /// It finds no ways that do not meet.
+    Nothing,
+    /// The goal of this agent is out of reach even with nobody else there.
+    OutOfReach(usize),
+}
+
 /// What all steps of planning share.
 struct Planner<'a> {
     field: &'a Field,
@@ -196,17 +205,18 @@ impl Planner<'_> {
                 .map(|agent| Task { start: self.checked.starts[agent], goal: self.goal(agent, assigned.goals[agent]) })
                 .collect();
             match self.draft(&tasks, budget) {
-                Ok(Ok(Some(ways))) => {
+                Ok(Drafted::Ways(ways)) => {
                     let draft = Draft { goals: assigned.goals, ways };
                     if best.as_ref().is_none_or(|best| draft.cost() < best.cost()) {
                         best = Some(draft);
                     }
                 }
-                Ok(Ok(None)) => {}
-                Ok(Err(agent)) => match (round, assigned.goals[agent]) {
-                    (0, Some(goal)) => return Ok(Err((agent, goal))),
-                    _ => {}
-                },
+                Ok(Drafted::Nothing) => {}
+                Ok(Drafted::OutOfReach(agent)) => {
+                    if let (0, Some(goal)) = (round, assigned.goals[agent]) {
+                        return Ok(Err((agent, goal)));
+                    }
+                }
                 // what was found before is a plan
                 Err(Spent) if best.is_some() => break,
                 Err(Spent) => return Err(Spent),
@@ -222,11 +232,11 @@ impl Planner<'_> {
         Ok(Ok(best))
     }
 
-    /// Ways for these tasks, nothing if the fast planner finds none; the agent whose goal is out of reach.
-    fn draft(&mut self, tasks: &[Task], budget: &Budget<'_>) -> Result<Result<Option<Vec<Arc<Way>>>, usize>, Spent> {
+    /// Ways for these tasks by the fast planner.
+    fn draft(&mut self, tasks: &[Task], budget: &Budget<'_>) -> Result<Drafted, Spent> {
         let mut fleet = match Fleet::new(self.field, tasks, budget) {
             Ok(fleet) => fleet,
-            Err(Ok(agent)) => return Ok(Err(agent)),
+            Err(Ok(agent)) => return Ok(Drafted::OutOfReach(agent)),
             Err(Err(spent)) => return Err(spent),
         };
         let planned = fleet.plan(self.options.batch.unwrap_or(tasks.len()), budget);
@@ -236,7 +246,7 @@ impl Planner<'_> {
         }
         self.effort.high_level_expanded += fleet.effort.high_level_expanded;
         self.effort.low_level_expanded += fleet.effort.low_level_expanded;
-        Ok(Ok(planned?.then(|| fleet.ways())))
+        Ok(if planned? { Drafted::Ways(fleet.ways()) } else { Drafted::Nothing })
     }
 
     /// The conflict tree: one whose assignment follows the constraints, where goals are to be assigned.

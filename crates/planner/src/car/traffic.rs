@@ -90,12 +90,12 @@ impl Traffic {
                 let mut sum = 0.0;
                 for (other, ((x, y), weight)) in xs.iter().zip(ys).zip(weights).enumerate() {
                     let (dx, dy) = (x - from.x, y - from.y);
-                    if *weight > 0.0 && dx * dx + dy * dy < reach * reach {
-                        if let Some(way) = &self.ways[other] {
-                            if !passes(field, from, step, way.place(time), way.step(time)) {
-                                sum += weight;
-                            }
-                        }
+                    if *weight > 0.0
+                        && dx * dx + dy * dy < reach * reach
+                        && let Some(way) = &self.ways[other]
+                        && !passes(field, from, step, way.place(time), way.step(time))
+                    {
+                        sum += weight;
                     }
                 }
                 sum
