@@ -10,6 +10,8 @@
 //!   places are, they collide: no plan is lost.
 //! - Lower bounds are those of the search space, which is: whole steps and waits, then one curve. They come from a search
 //!   whose heuristic is never too much and which merges only states that are the same.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 use super::Model;
 use super::body::during;

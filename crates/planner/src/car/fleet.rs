@@ -1,12 +1,15 @@
 //! Ways for all bodies, fast: everyone's own best way first, then conflicts are negotiated, then the whole is improved.
 //!
 //! # Source
-//! Negotiation: [PathFinder] — meeting others costs little at first and more in every round, so that whoever can avoid a
-//! crowded place cheaply does. Repair and improvement by replanning few bodies at a time: [MAPF-LNS2].
+//! Negotiation: [McMurchie1995] — meeting others costs little at first and more in every round, so that whoever can avoid a
+//! crowded place cheaply does. Repair and improvement by replanning few bodies at a time: [Li2022].
 //!
 //! # Deviations
 //! - Rounds are counted, not timed: the same instance gives the same plan.
 //! - Neighbourhoods are a body and those that keep it from its own best way; nothing is drawn at random.
+//!
+//! [Li2022]: cohaul_core::_documentation::references
+//! [McMurchie1995]: cohaul_core::_documentation::references
 
 use std::sync::Arc;
 

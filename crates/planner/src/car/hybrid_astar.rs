@@ -11,6 +11,8 @@
 //! - After the last motion of the others time is no longer told apart, so that the search space is finite.
 //! - Meeting others costs what the caller says, which may be infinite.
 //! - Heuristics of new states are their parent's less the step, made exact when they come to be expanded.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

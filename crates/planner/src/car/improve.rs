@@ -1,11 +1,13 @@
 //! Improving a plan in which nobody meets: a few bodies at a time are planned anew, the others stay as they are.
 //!
 //! # Source
-//! Large neighbourhood search, as [MAPF-LNS2] and its forerunners use it.
+//! Large neighbourhood search, as [Li2022] and its forerunners use it.
 //!
 //! # Deviations
 //! Nothing is drawn at random: a neighbourhood is a body that pays most for the others, with those that keep it from its own
 //! best way. At the end the bodies that arrive last may hurry.
+//!
+//! [Li2022]: cohaul_core::_documentation::references
 
 use std::sync::Arc;
 

@@ -1,8 +1,7 @@
 //! Plans for bodies that drive: cars that turn on arcs, forwards only or both ways, and differential drives.
 //!
 //! # Source
-//! [CL-CBS] Wen, Liu & Li, "CL-MAPF: Multi-Agent Path Finding for Car-Like robots with kinematic and spatiotemporal
-//! constraints", Robotics and Autonomous Systems 150, 2022.
+//! [CL-CBS], sequential CL-CBS (`batch`).
 //!
 //! # Deviations
 //! - Bodies are planned fast first (`fleet.rs`): everyone's own best way, negotiation, repair, improvement. The conflict tree
@@ -12,6 +11,8 @@
 //!
 //! Costs are lengths with penalties; the lower bound is the sum of the shortest curves that the bodies can drive with
 //! nothing in their way, over the best assignment of goals.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 mod body;
 mod check;
@@ -24,6 +25,7 @@ mod flood;
 mod goals;
 mod hybrid_astar;
 mod improve;
+mod push;
 pub mod reeds_shepp;
 mod steering;
 mod table;
@@ -43,6 +45,7 @@ use field::Field;
 use fleet::{Fleet, Task};
 pub use goals::Metric;
 use goals::Ranked;
+pub use push::{Push, push_costs};
 use way::Way;
 
 /// Assignments that are planned where goals are to be assigned; the cheapest plan is kept.

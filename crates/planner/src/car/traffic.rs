@@ -52,12 +52,14 @@ impl Traffic {
             self.x[row * self.bodies + body] = x;
             self.y[row * self.bodies + body] = y;
         }
-        self.ways[body] = way;
+        let before = std::mem::replace(&mut self.ways[body], way);
         // rows at the end in which nobody moves any more are of no use
-        let last = self.ways.iter().flatten().map(|way| way.len()).max().unwrap_or(0);
-        self.rows = last + 1;
-        self.x.truncate(self.rows * self.bodies);
-        self.y.truncate(self.rows * self.bodies);
+        if before.is_some_and(|before| before.len() == self.settled()) {
+            let last = self.ways.iter().flatten().map(|way| way.len()).max().unwrap_or(0);
+            self.rows = last + 1;
+            self.x.truncate(self.rows * self.bodies);
+            self.y.truncate(self.rows * self.bodies);
+        }
     }
 
     /// Sum of `weights` over the bodies that are in the way of a body which drives `step` from `from` to `to` in the step
