@@ -223,8 +223,12 @@ impl Field {
     }
 
     fn sweeps_free(&self, from: &Place, step: Segment) -> bool {
-        let speed = self.body.speed(step);
         self.near(from).iter().all(|solid| {
+            let margin = match &self.solids[*solid as usize] {
+                Solid::Point { margin, .. } => *margin,
+                Solid::Polygon { .. } => 0.0,
+            };
+            let speed = self.body.speed(step, margin);
             if speed == 0.0 {
                 return self.gap(*solid, from) > 0.0;
             }
