@@ -25,6 +25,7 @@ enum Solid {
 }
 
 /// The prepared instance. Lengths in units of the turning radius.
+#[derive(Clone)]
 pub(super) struct Field {
     /// Metres per unit.
     pub(super) scale: f64,
@@ -109,6 +110,12 @@ impl Field {
         };
         field.sort_into_cells();
         field
+    }
+
+    /// The same for bodies whose front is their rear: driving backwards becomes driving forwards.
+    pub(super) fn turned_round(&self) -> Self {
+        let body = Body { offset: -self.body.offset, ..self.body };
+        Self { body, ..self.clone() }
     }
 
     /// Lists in every cell the obstacles that a body whose reference point is there may touch within a step.

@@ -23,6 +23,7 @@ mod fleet;
 mod flood;
 mod goals;
 mod hybrid_astar;
+mod reach;
 pub mod reeds_shepp;
 mod steering;
 mod table;
