@@ -25,6 +25,7 @@ enum Solid {
 }
 
 /// The prepared instance. Lengths in units of the turning radius.
+#[derive(Clone)]
 pub(super) struct Field {
     /// Metres per unit.
     pub(super) scale: f64,
@@ -114,6 +115,12 @@ impl Field {
         };
         field.sort_into_cells();
         field
+    }
+
+    /// The same for bodies whose front is their rear: driving backwards becomes driving forwards.
+    pub(super) fn turned_round(&self) -> Self {
+        let body = Body { offset: -self.body.offset, ..self.body };
+        Self { body, ..self.clone() }
     }
 
     /// Lists in every cell the obstacles that a body whose reference point is there may touch within a step.
@@ -228,8 +235,12 @@ impl Field {
     }
 
     fn sweeps_free(&self, from: &Place, step: Segment) -> bool {
-        let speed = self.body.speed(step);
         self.near(from).iter().all(|solid| {
+            let margin = match &self.solids[*solid as usize] {
+                Solid::Point { margin, .. } => *margin,
+                Solid::Polygon { .. } => 0.0,
+            };
+            let speed = self.body.speed(step, margin);
             if speed == 0.0 {
                 return self.gap(*solid, from) > 0.0;
             }

@@ -15,11 +15,10 @@ use std::sync::Arc;
 
 use super::curve::Place;
 use super::field::{Field, Prices};
-use super::flood;
 use super::hybrid_astar::{Ask, Care, HybridAstar};
+use super::reach;
 use super::traffic::Traffic;
 use super::way::Way;
-use crate::instance::Drive;
 use crate::outcome::Effort;
 use crate::search::{Budget, Spent};
 
@@ -54,6 +53,8 @@ pub(super) struct Fleet<'a> {
     pub(super) weights: Vec<f64>,
     /// What searches go by at present.
     pub(super) prices: Prices,
+    /// Into how many steps are divided, by body.
+    pub(super) fineness: Vec<u32>,
     /// Everyone's best way with nobody else there.
     pub(super) alone: Vec<Arc<Way>>,
     pub(super) effort: Effort,
@@ -70,6 +71,7 @@ impl<'a> Fleet<'a> {
             traffic: Traffic::new(bodies),
             weights: vec![0.0; bodies],
             prices: field.prices,
+            fineness: vec![1; bodies],
             alone: Vec::with_capacity(bodies),
             effort: Effort::default(),
         };
@@ -86,45 +88,12 @@ impl<'a> Fleet<'a> {
     fn plan_alone(&mut self, body: usize, budget: &Budget<'_>) -> Result<Option<Way>, Spent> {
         let task = self.tasks[body];
         let Some(goal) = task.goal else { return Ok(Some(Way::resting(task.start))) };
-        let empty = Traffic::new(0);
-        let ask = |start, goal, ratio, limit, care| Ask {
-            field: self.field,
-            traffic: &empty,
-            weights: &[],
-            prices: &self.field.prices,
-            start,
-            goal: Some(goal),
-            rules: &[],
-            ratio,
-            below: f64::INFINITY,
-            limit,
-            care,
-        };
-        let found = self.search.find(&ask(task.start, goal, 1.0, LIMIT, Care::Quick), budget)?;
-        self.effort.low_level_expanded += found.expanded;
-        if found.way.is_some() || found.expanded == 0 {
-            return Ok(found.way);
-        }
-        if !flood::may_connect(self.field, &task.start, &goal, budget)? {
-            return Ok(None);
-        }
-        // from both ends in turn: the one that is walled in is searched to its end first
-        let mut limit = LIMIT;
-        loop {
-            let found = self.search.find(&ask(task.start, goal, 2.0, limit, Care::Thorough), budget)?;
-            self.effort.low_level_expanded += found.expanded;
-            if found.way.is_some() || found.exhausted {
-                return Ok(found.way);
-            }
-            if self.field.drive != Drive::ForwardCar {
-                let back = self.search.find(&ask(goal, task.start, 2.0, limit, Care::Thorough), budget)?;
-                self.effort.low_level_expanded += back.expanded;
-                if back.exhausted && back.way.is_none() {
-                    return Ok(None);
-                }
-            }
-            limit *= 4;
-        }
+        let (search, expanded) = (&mut self.search, &mut self.effort.low_level_expanded);
+        let found = reach::way(self.field, task.start, goal, search, expanded, budget)?;
+        Ok(found.map(|(way, fineness)| {
+            self.fineness[body] = fineness;
+            way
+        }))
     }
 
     /// Plans `body` anew where meeting others costs `self.weights`; whether a way was found.
@@ -137,6 +106,7 @@ impl<'a> Fleet<'a> {
         budget: &Budget<'_>,
     ) -> Result<Option<(Way, f64)>, Spent> {
         let task = self.tasks[body];
+        let fineness = self.fineness[body];
         let own = std::mem::replace(&mut self.weights[body], 0.0);
         let ask = Ask {
             field: self.field,
@@ -149,7 +119,8 @@ impl<'a> Fleet<'a> {
             ratio,
             below,
             limit,
-            care: Care::Quick,
+            care: if fineness == 1 { Care::Quick } else { Care::Thorough },
+            fineness,
         };
         let found = self.search.find(&ask, budget);
         self.weights[body] = own;

@@ -27,14 +27,17 @@ use super::traffic::Traffic;
 use super::way::{WAIT, Way, steps_of};
 use crate::search::{Budget, Spent};
 
-/// Headings that are told apart.
+/// Least number of headings that are told apart, and how many per largest turn of a step; more do not fit into keys.
 const HEADINGS: f64 = 24.0;
+const HEADINGS_PER_STEP: f64 = 2.5;
+const MOST_HEADINGS: f64 = 255.0;
 /// Cells per step length.
 const CELLS_PER_STEP: f64 = 1.0;
 /// Excess of a state's own total over what it was queued with that is not worth queueing it again.
 const REQUEUE: f64 = 1e-3;
 
 /// What is asked of the search.
+#[derive(Clone, Copy)]
 pub(super) struct Ask<'a> {
     pub(super) field: &'a Field,
     pub(super) traffic: &'a Traffic,
@@ -53,6 +56,8 @@ pub(super) struct Ask<'a> {
     /// Most states to expand.
     pub(super) limit: u64,
     pub(super) care: Care,
+    /// Into how many a whole step, and a cell, is divided.
+    pub(super) fineness: u32,
 }
 
 /// What the search leaves out.
@@ -265,12 +270,13 @@ impl HybridAstar {
         let node = self.nodes[index as usize];
         let mut in_the_way = hindered;
         let everything = ask.care != Care::Quick;
+        let length = field.step / f64::from(ask.fineness);
+        let (sin, cos) = if ask.fineness == 1 { field.step_sin_cos } else { length.sin_cos() };
         for (steer, sign) in field.primitives() {
             if *sign < 0.0 && !everything && !in_the_way && node.gear >= 0 && node.time > 0 {
                 continue;
             }
-            let step = Segment { steer: *steer, length: sign * field.step };
-            let (sin, cos) = field.step_sin_cos;
+            let step = Segment { steer: *steer, length: sign * length };
             let place = node.place.moved(step, (sign * sin, cos));
             let (price, gear) = field.cost(ask.prices, node.gear, step);
             let cost = node.cost + price;
@@ -345,9 +351,11 @@ fn key(ask: &Ask<'_>, limits: &Limits, node: &Node) -> u64 {
         let at = fine(place.x).wrapping_mul(0xc2b2_ae3d_27d4_eb4f) ^ fine(place.y).wrapping_mul(0x1656_67b1_9e37_79f9);
         return at.rotate_left(17) ^ turned ^ time.wrapping_mul(0xff51_afd7_ed55_8ccd) ^ (node.gear as u64) << 40;
     }
-    let cells = CELLS_PER_STEP / ask.field.step;
+    let fineness = f64::from(ask.fineness);
+    let cells = fineness * CELLS_PER_STEP / ask.field.step;
+    let headings = (fineness * HEADINGS.max(HEADINGS_PER_STEP * TAU / ask.field.step)).min(MOST_HEADINGS);
     let (x, y) = ((place.x * cells) as u64 & 0xf_ffff, (place.y * cells) as u64 & 0xf_ffff);
-    let heading = (wrap(place.yaw) * (HEADINGS / TAU)).floor() as i64 as u64 & 0xff;
+    let heading = (wrap(place.yaw) * (headings / TAU)).floor() as i64 as u64 & 0xff;
     time << 48 | x << 28 | y << 8 | heading
 }
 

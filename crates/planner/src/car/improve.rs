@@ -78,6 +78,7 @@ impl Fleet<'_> {
                 below: length(self, last) - 1e-6,
                 limit: LIMIT,
                 care: Care::Quick,
+                fineness: self.fineness[last],
             };
             let found = self.search.find(&ask, budget)?;
             self.effort.low_level_expanded += found.expanded;

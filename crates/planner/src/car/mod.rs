@@ -26,6 +26,7 @@ mod goals;
 mod hybrid_astar;
 mod improve;
 mod push;
+mod reach;
 pub mod reeds_shepp;
 mod steering;
 mod table;

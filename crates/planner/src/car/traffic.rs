@@ -143,7 +143,7 @@ impl Traffic {
 
 /// Whether two bodies stay clear of each other in a step.
 pub(super) fn passes(field: &Field, a: &Place, step_a: Segment, b: &Place, step_b: Segment) -> bool {
-    let speed = field.body.speed(step_a) + field.body.speed(step_b);
+    let speed = field.body.speed(step_a, 0.0) + field.body.speed(step_b, 0.0);
     let (ax, ay) = field.body.middle(a);
     let (bx, by) = field.body.middle(b);
     // no closer look where they cannot meet
