@@ -116,11 +116,14 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     })
 }
 
-/// Writes a file.
+/// Writes a file; makes its folder where there is none.
 ///
 /// # Errors
 /// One that cannot be written.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        create_folder(folder)?;
+    }
     write(path, text)
 }
 
