@@ -12,6 +12,7 @@ mod flow;
 mod formation;
 mod formats;
 mod layering;
+mod load_path;
 mod missions;
 mod scenarios;
 mod sweep;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cohaul_core::scenario::document::{Controller, Scenario, Shape, Slots, Variant};
+use cohaul_core::scenario::document::{Controller, Plan, Scenario, Shape, Slots, Variant};
 use cohaul_core::scenario::{self, Override, Parsed, Problem, ScenarioError};
 use proptest::prelude::*;
 
@@ -494,9 +494,12 @@ fn try_mutations(seed: u64, count: usize, good: &[Vec<u8>]) -> usize {
         match resolved {
             Ok(scenario) => {
                 accepted += 1;
-                let open = scenario.teams.iter().any(|team| team.formation.slots == Slots::Auto);
+                let open = scenario
+                    .teams
+                    .iter()
+                    .any(|team| team.formation.slots == Slots::Auto || team.mission.plan == Plan::Auto);
                 if open {
-                    continue; // the planner chooses their slots
+                    continue; // the planner chooses their slots and waypoints
                 }
                 let instance = scenario.instance().expect("a valid scenario has its bodies");
                 for (team, built) in instance.teams.iter().enumerate() {

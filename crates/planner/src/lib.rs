@@ -11,6 +11,7 @@ pub mod generate;
 pub mod grid;
 pub mod instance;
 pub mod io;
+pub mod load_path;
 pub mod outcome;
 pub mod plan;
 pub mod search;

@@ -71,9 +71,11 @@ pub fn file(error: FileError) -> PyErr {
         FileError::Scenario(error) => scenario(&error),
         FileError::Sim(error) => sim(&error),
         FileError::Format(error) => instance(&error),
-        FileError::Formation(_) | FileError::Capacity(_) | FileError::Reform(_) | FileError::Generate(_) => {
-            python::PlanError::new_err(chain(&error))
-        }
+        FileError::Formation(_)
+        | FileError::LoadPath(_)
+        | FileError::Capacity(_)
+        | FileError::Reform(_)
+        | FileError::Generate(_) => python::PlanError::new_err(chain(&error)),
         FileError::Io { source, path, .. } if source.kind() == ErrorKind::NotFound => {
             python::MissingFileError::new_err((source.raw_os_error(), reason(&source), path.into_os_string()))
         }

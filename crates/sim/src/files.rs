@@ -12,6 +12,7 @@ use cohaul_planner::capacity::{self, Capacity, CapacityError};
 use cohaul_planner::formation::{self, FormationPlanError, ReformError};
 use cohaul_planner::generate::GenerateError;
 use cohaul_planner::io::FormatError;
+use cohaul_planner::load_path::{self, LoadPathError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -44,6 +45,9 @@ pub enum FileError {
     /// The slots that it leaves open cannot be chosen.
     #[error(transparent)]
     Formation(#[from] FormationPlanError),
+    /// The waypoints that it leaves open cannot be planned.
+    #[error(transparent)]
+    LoadPath(LoadPathError),
     /// What the team can do cannot be said.
     #[error(transparent)]
     Capacity(#[from] CapacityError),
@@ -68,6 +72,15 @@ pub enum FileError {
     /// The threads of an experiment could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),
+}
+
+impl From<LoadPathError> for FileError {
+    fn from(error: LoadPathError) -> Self {
+        match error {
+            LoadPathError::Formation(error) => Self::Formation(error),
+            error => Self::LoadPath(error),
+        }
+    }
 }
 
 pub(crate) fn io_error(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FileError {
@@ -122,15 +135,16 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
     fs::create_dir_all(path).map_err(io_error("create", path))
 }
 
-/// The scenario of one seed, everything in `randomize` drawn from it, slots left open (`slots: auto`) chosen.
+/// The scenario of one seed, everything in `randomize` drawn from it, slots and waypoints left open (`slots: auto`,
+/// `plan: auto`) chosen.
 ///
 /// # Errors
-/// Values drawn together that make no valid scenario, or slots that cannot be chosen.
+/// Values drawn together that make no valid scenario, slots that cannot be chosen, or loads without a way.
 pub fn draw(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, FileError> {
-    Ok(formation::resolve(&draw_open(parsed, seed)?)?)
+    Ok(load_path::resolve(&draw_open(parsed, seed)?)?)
 }
 
-/// The same with slots left open.
+/// The same with what it leaves open still open.
 pub(crate) fn draw_open(parsed: &Parsed, seed: Option<u64>) -> Result<scenario::document::Scenario, ScenarioError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed.unwrap_or(parsed.scenario.seed));
     parsed.resolve(seed, &mut || random.random::<f64>())

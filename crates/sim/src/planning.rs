@@ -105,6 +105,14 @@ pub fn parse(text: &str, path: &Path, source: &Source) -> Result<Document, FileE
     Ok(Document { instance, heading: Heading::default() })
 }
 
+/// Whether the file in `path` is the scenario of a mission.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn is_mission(path: &Path) -> Result<bool, FileError> {
+    Ok(files::read_text(path)?.lines().any(|line| line.starts_with("format:")))
+}
+
 fn read_vehicle(path: &Path) -> Result<io::Config, FileError> {
     let text = files::read_text(path)?;
     Ok(io::read_config(&text, &path.display().to_string())?)

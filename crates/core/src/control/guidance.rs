@@ -10,6 +10,10 @@
 //!   paper leaves the final orientation to chance.
 //! - A waypoint before the goal is passed at 85 % of its tolerance: it stays passed, and poses have noise. The goal does not: a
 //!   team that is moved off it goes on.
+//! - A waypoint is also passed by a load that came nearly as close some time ago, the sooner the closer it came. Robots look at
+//!   the load at different instants: one alone may have seen it within 85 %, and robots that are at odds about the
+//!   waypoint push against each other. All have seen nearly the same closest distance, so all pass nearly together,
+//!   whatever the load does meanwhile.
 //! - A turn under way keeps its sense while the bearing crosses the half turn; the paper does not go beyond 75°.
 //!
 //! [R2P2]: crate::_documentation::references
@@ -32,6 +36,12 @@ const HALF_TURN: f64 = 0.6;
 /// Share of the tolerance within which a waypoint before the goal is passed: noise must not pass it for a load that never was
 /// within the tolerance.
 const PASS: f64 = 0.85;
+/// Share of the tolerance from which on closeness counts towards passing a waypoint.
+const NEAR: f64 = 0.95;
+/// Sum over ticks of [`NEAR`] minus the closest distance in tolerances at which a waypoint is passed. At 20 ticks a second: one
+/// second after a load came within 90 %, half of it at 85 %. It grows without a step from never: two robots whose closest
+/// distances differ by little differ in time by little.
+const LINGER: f64 = 1.0;
 /// Share of the goal's tolerances that the team aims at before it turns, and with which it is done turning.
 const AIM: f64 = 0.5;
 
@@ -107,6 +117,12 @@ pub struct Progress {
     pub backwards: Option<bool>,
     /// Whether the load is turning to its final orientation.
     pub aligning: bool,
+    /// Closest distance to the waypoint so far, m.
+    #[serde(default)]
+    pub closest: Option<f64>,
+    /// How long and how closely the load has been near the waypoint, in tolerances × ticks.
+    #[serde(default)]
+    pub lingered: f64,
 }
 
 /// The motion that comes next.
@@ -136,7 +152,7 @@ impl Guidance {
             let orientation = self.goal_yaw.filter(|_| is_goal);
             let reached = match orientation {
                 None if is_goal => distance < self.tolerance,
-                None => distance < PASS * self.tolerance,
+                None => distance < PASS * self.tolerance || self.lingers(progress, distance),
                 Some(goal) => {
                     let limit = if progress.aligning { self.tolerance } else { AIM * self.tolerance };
                     progress.aligning = distance < limit;
@@ -152,6 +168,8 @@ impl Guidance {
             }
             progress.waypoint += 1;
             progress.backwards = None;
+            progress.closest = None;
+            progress.lingered = 0.0;
         };
         let bearing = primitive::bearing(&center, &target);
         let (heading_error, primitive) = if let (true, Some(goal)) = (progress.aligning, self.goal_yaw) {
@@ -174,6 +192,14 @@ impl Guidance {
             distance: (target - center).norm(),
             direction: unit(wrap_angle(bearing - heading)),
         })
+    }
+
+    /// Whether the load has been near its waypoint for so long that other robots may have passed it.
+    fn lingers(&self, progress: &mut Progress, distance: f64) -> bool {
+        let closest = progress.closest.map_or(distance, |closest| closest.min(distance));
+        progress.closest = Some(closest);
+        progress.lingered += (NEAR - closest / self.tolerance).max(0.0);
+        progress.lingered >= LINGER
     }
 
     /// Whether the load travels backwards, given the heading error of driving forwards.
@@ -255,6 +281,50 @@ mod tests {
             quarter.next(&mut progress, &pose(0.0, 0.0, 0.1 * f64::from(k % 3 - 1))).unwrap();
             assert_eq!(progress.backwards, chosen);
         }
+    }
+
+    /// Robots decide 20 times a second at instants of their own, poses come 40 times a second. In a mission of two teams a load
+    /// came within 85 % of the tolerance for a single sample and was pushed back: three robots had seen it, three had not and
+    /// never did, because each half turned the load its own way from then on until it was lost.
+    #[test]
+    fn robots_that_look_at_different_instants_pass_a_waypoint_together() {
+        let leg = Guidance { waypoints: vec![Vector2::zeros(), Vector2::new(0.0, 1.0)], ..guidance((0.0, 0.0)) };
+        let approach = |sample: u32| (0.3 - 0.0025 * f64::from(sample)).max(0.0865);
+        // the dip is on an even or an odd sample; afterwards the load stays, is pulled back in part, or far
+        for dip in [100, 101] {
+            for recede in [0.0, 0.01, 0.3] {
+                for noise in [0.0, 0.004] {
+                    let mut robots = [Progress::default(); 2];
+                    let mut passed = [None; 2];
+                    for sample in 0..200_u32 {
+                        let shaken = noise * (f64::from(sample * 7 % 11) / 5.0 - 1.0);
+                        let distance = match sample {
+                            _ if sample == dip => 0.0845,
+                            _ if sample > dip => 0.0865 + recede * (f64::from(sample - dip) / 20.0).min(1.0),
+                            _ => approach(sample) + shaken.max(0.0),
+                        };
+                        let robot = usize::from(sample % 2 == 1);
+                        leg.next(&mut robots[robot], &pose(-distance, 0.0, 0.0)).unwrap();
+                        if robots[robot].waypoint == 1 && passed[robot].is_none() {
+                            passed[robot] = Some(sample);
+                        }
+                    }
+                    let [even, odd] = passed.map(|sample| sample.expect("the waypoint is passed"));
+                    assert!(even.abs_diff(odd) <= 40, "{even} and {odd} of 40 samples a second");
+                }
+            }
+        }
+    }
+
+    /// Closeness that is no closeness never adds up.
+    #[test]
+    fn a_waypoint_that_the_load_stays_away_from_is_not_passed() {
+        let leg = Guidance { waypoints: vec![Vector2::zeros(), Vector2::new(0.0, 1.0)], ..guidance((0.0, 0.0)) };
+        let mut progress = Progress::default();
+        for _ in 0..100_000 {
+            leg.next(&mut progress, &pose(-0.0951, 0.0, 0.0)).unwrap();
+        }
+        assert_eq!(progress.waypoint, 0);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use mission::{Controller, Mission, Point};
+pub use mission::{Controller, Mission, Plan, Point};
 pub use r2p2::{Drive, Prevent, R2p2, Reposition, Stance, Support, Variant};
 pub use settings::{Physics, Sensors, Start};
 pub use vlf::Vlf;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::document::{Ballast, BallastPlace, Load, Pose, RobotKind, Robots, Scenario, Shape, Slots, Team};
+use super::document::{Ballast, BallastPlace, Load, Plan, Pose, RobotKind, Robots, Scenario, Shape, Slots, Team};
 use super::error::Problem;
 use crate::geometry::shape::{ConvexPolygon, ShapeError};
 use crate::id::{LoadId, RobotId};
@@ -55,9 +55,12 @@ impl Scenario {
     /// Every body of the scenario.
     ///
     /// # Errors
-    /// None for a scenario that came from [`parse`](super::parse), unless it leaves the choice of slots to the planner
-    /// ([`Slots::Auto`]).
+    /// None for a scenario that came from [`parse`](super::parse), unless it leaves the choice of slots or the waypoints to
+    /// the planner ([`Slots::Auto`], [`Plan::Auto`]).
     pub fn instance(&self) -> Result<Instance, Problem> {
+        if let Some(team) = self.teams.iter().find(|team| team.mission.plan == Plan::Auto) {
+            return Err(Problem::Unplanned { team: team.id.clone() });
+        }
         self.bodies(false)
     }
 

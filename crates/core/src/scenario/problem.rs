@@ -135,6 +135,12 @@ pub enum Problem {
         /// Why.
         error: FormationError,
     },
+    /// Waypoints that are still to be planned.
+    #[error("team `{team}`: plan `auto` has not been resolved yet")]
+    Unplanned {
+        /// Name of the team.
+        team: String,
+    },
     /// The load could slip out of its formation.
     #[error("team `{team}` does not cage its load: {gap}")]
     Caging {
@@ -298,6 +304,7 @@ impl Problem {
                 "list the corners [x, y] of a convex polygon in order, once around; split a non-convex one".to_owned()
             }
             Self::Formation { error, .. } => formation_remedy(error),
+            Self::Unplanned { .. } => "resolve the scenario with the planner first, or list `waypoints`".to_owned(),
             Self::Caging { gap, .. } => match gap {
                 CagingGap::TooWide { .. } => {
                     "bring the slots closer together (`contact_placement`, more `custom` slots) or write `caging: partial`"

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::document::{Caging, Controller, Point, R2p2, Scenario, Slots, Team};
+use super::document::{Caging, Controller, Plan, Point, R2p2, Scenario, Slots, Team};
 use super::error::{Fault, Problem};
 use super::instance::Instance;
 use super::tree::{Node, Value};
@@ -148,6 +148,10 @@ impl Rules<'_> {
                 && self.tree.get(&waypoints).is_some_and(|node| matches!(node.value, Value::List(_)))
             {
                 return Err(self.fault(&waypoints.clone(), Problem::EmptyWaypoints { path: waypoints }));
+            }
+            if team.mission.plan == Plan::Auto && !team.mission.waypoints.is_empty() {
+                let reason = "the plan is `auto`, but waypoints are given".to_owned();
+                return self.contradiction(waypoints, reason, "leave out `waypoints`, or `plan: auto`");
             }
             match &team.controller {
                 Controller::R2p2(r2p2) => self.r2p2(i, team, r2p2)?,

@@ -30,6 +30,7 @@ use nalgebra::Vector2;
 use serde::Serialize;
 
 use crate::formation::{self, Demand, FormationPlanError};
+use crate::load_path::{self, LoadPathError};
 use rollout::{Cause, Failure, Task, roll};
 
 /// What a team can move, everything but the quantity in question as in the scenario.
@@ -112,6 +113,9 @@ pub enum CapacityError {
     /// Slots left open cannot be chosen.
     #[error(transparent)]
     Formation(#[from] FormationPlanError),
+    /// Waypoints left open cannot be planned.
+    #[error(transparent)]
+    LoadPath(LoadPathError),
     /// The team's controller is not R2P2.
     #[error("team `{team}` is not driven by r2p2, and only for that controller is it known what a team can move")]
     Controller {
@@ -128,6 +132,15 @@ pub enum CapacityError {
     },
 }
 
+impl From<LoadPathError> for CapacityError {
+    fn from(error: LoadPathError) -> Self {
+        match error {
+            LoadPathError::Formation(error) => Self::Formation(error),
+            error => Self::LoadPath(error),
+        }
+    }
+}
+
 /// Largest mass of interest, kg, and the lightest load tried, kg.
 const MASSES: (f64, f64) = (1e4, 0.01);
 /// Factor between masses tried until the limit lies between two of them.
@@ -141,12 +154,12 @@ const SLOPE_RESOLUTION: f64 = 0.2;
 /// Sizes of teams for which slots can be chosen.
 const TEAMS: std::ops::RangeInclusive<usize> = 3..=12;
 
-/// What every team of a drawn scenario can move; slots left open (`slots: auto`) are chosen first.
+/// What every team of a drawn scenario can move; slots and waypoints left open (`slots: auto`, `plan: auto`) are chosen first.
 ///
 /// # Errors
 /// A scenario that cannot be built, or open slots that cannot be chosen.
 pub fn assess(scenario: &Scenario) -> Result<Vec<Capacity>, CapacityError> {
-    let resolved = formation::resolve(scenario)?;
+    let resolved = load_path::resolve(scenario)?;
     (0..resolved.teams.len()).map(|team| assess_team(&resolved, team)).collect()
 }
 

@@ -91,10 +91,11 @@ impl Body {
         gap
     }
 
-    /// Bound on how fast any point of the body moves while it drives `step` within a unit of time.
+    /// Bound on how fast any point of the body, grown by `margin` with square corners, moves while it drives `step` within
+    /// a unit of time.
     #[inline]
-    pub(super) fn speed(&self, step: Segment) -> f64 {
-        let reach = self.offset.abs() + self.radius;
+    pub(super) fn speed(&self, step: Segment, margin: f64) -> f64 {
+        let reach = self.offset.abs() + self.radius + margin * std::f64::consts::SQRT_2;
         match step.steer {
             Steer::Straight => step.length.abs(),
             Steer::Left | Steer::Right => step.length.abs() * (1.0 + reach),
@@ -151,6 +152,6 @@ mod tests {
             (Segment { steer: Steer::Straight, length: 1.0 }, Segment { steer: Steer::Straight, length: -1.0 });
         let gap = |time: f64| body.gap(&during(&a, there, time), &during(&b, back, time));
         assert!(gap(0.0) > 0.0 && gap(1.0) > 0.0);
-        assert!(!stays_open(body.speed(there) + body.speed(back), &gap));
+        assert!(!stays_open(body.speed(there, 0.0) + body.speed(back, 0.0), &gap));
     }
 }

@@ -10,12 +10,17 @@
 //!   places are, they collide: no plan is lost.
 //! - Lower bounds are those of the search space, which is: whole steps and waits, then one curve. They come from a search
 //!   whose heuristic is never too much and which merges only states that are the same.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
+
+use std::collections::BTreeMap;
 
 use super::Model;
 use super::body::during;
 use super::curve::Place;
 use super::field::Field;
 use super::hybrid_astar::{Ask, Avoid, Care, HybridAstar};
+use super::reach;
 use super::traffic::{Traffic, meetings};
 use super::way::Way;
 use crate::search::{Bound, Budget, Clash, Domain, Planned, Query, Spent};
@@ -47,11 +52,34 @@ pub(super) struct Cars<'a> {
     goals: &'a [Vec<Option<Place>>],
     search: HybridAstar,
     expanded: u64,
+    /// By agent and goal: into how many steps have to be divided; nothing where the goal is out of reach.
+    fineness: BTreeMap<(usize, usize), Option<u32>>,
 }
 
 impl<'a> Cars<'a> {
     pub(super) fn new(field: &'a Field, starts: &'a [Place], goals: &'a [Vec<Option<Place>>]) -> Self {
-        Self { field, starts, goals, search: HybridAstar::new(), expanded: 0 }
+        Self { field, starts, goals, search: HybridAstar::new(), expanded: 0, fineness: BTreeMap::new() }
+    }
+}
+
+impl Cars<'_> {
+    /// Into how many a body's steps have to be divided so that it reaches its goal; nothing if it does not.
+    fn fineness(
+        &mut self,
+        agent: usize,
+        goal: Option<usize>,
+        place: Option<Place>,
+        budget: &Budget<'_>,
+    ) -> Result<Option<u32>, Spent> {
+        let (Some(goal), Some(place)) = (goal, place) else { return Ok(Some(1)) };
+        if let Some(known) = self.fineness.get(&(agent, goal)) {
+            return Ok(*known);
+        }
+        let (start, search) = (self.starts[agent], &mut self.search);
+        let found = reach::way(self.field, start, place, search, &mut self.expanded, budget)?;
+        let fineness = found.map(|(_, fineness)| fineness);
+        self.fineness.insert((agent, goal), fineness);
+        Ok(fineness)
     }
 }
 
@@ -73,6 +101,7 @@ impl Domain for Cars<'_> {
             },
             None => None,
         };
+        let Some(fineness) = self.fineness(query.agent, query.goal, goal, budget)? else { return Ok(None) };
         let rules: Vec<Avoid> =
             query.rules.iter().filter(|bound| bound.binds(query.agent)).map(|bound| bound.rule).collect();
         let mut traffic = Traffic::new(self.starts.len());
@@ -95,6 +124,7 @@ impl Domain for Cars<'_> {
                 field: self.field,
                 traffic: &traffic,
                 weights,
+                prices: &self.field.prices,
                 start,
                 goal,
                 rules: &rules,
@@ -102,6 +132,7 @@ impl Domain for Cars<'_> {
                 below: f64::INFINITY,
                 limit,
                 care,
+                fineness,
             };
             let before = self.expanded;
             let found = self.search.find(&ask, budget)?;

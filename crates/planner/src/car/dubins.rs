@@ -1,13 +1,18 @@
 //! Shortest curves of a car that only drives forwards, no tighter than its turning radius, among no obstacles.
 //!
 //! # Source
-//! [Dubins 1957] "On curves of minimal length with a constraint on average curvature", Amer. J. Math. 79(3): six words,
+//! [Dubins1957]: six words,
 //! four of two arcs with a straight line between, two of three arcs. The lengths are those of the tangents between the
 //! turning circles.
+//!
+//! [Dubins1957]: cohaul_core::_documentation::references
 
 use std::f64::consts::TAU;
 
 use super::curve::{Curve, Place, Segment, Steer};
+
+/// Distance of points below which they are the same but for rounding, in turning radii.
+const SAME: f64 = 1e-9;
 
 /// `angle` within [0, 2π); what is only by rounding less than a full turn is none.
 fn forwards(angle: f64) -> f64 {
@@ -24,19 +29,20 @@ pub(super) fn words((x, y, turn): (f64, f64, f64), mut found: impl FnMut([Steer;
         // from the centre of the first left circle to that of the last left circle
         let (xi, eta) = (x - sin, y - 1.0 + cos);
         let apart = xi.hypot(eta);
-        let t = forwards(eta.atan2(xi));
+        // where both circles are one there is no tangent, and what rounding makes of it may be a full turn off
+        let (t, apart) = if apart < SAME { (0.0, 0.0) } else { (forwards(eta.atan2(xi)), apart) };
         found([left, Steer::Straight, left], [t, apart, forwards(turn - t)]);
-        if apart <= 4.0 {
+        if apart <= 4.0 + SAME {
             // a right circle touches both
-            let u = TAU - 2.0 * (0.25 * apart).asin();
+            let u = TAU - 2.0 * (0.25 * apart).min(1.0).asin();
             let t = forwards(eta.atan2(xi) + 0.5 * u);
             found([left, right, left], [t, u, forwards(turn - t + u)]);
         }
         // to that of the last right circle
         let (xi, eta) = (x + sin, y - 1.0 - cos);
         let square = xi * xi + eta * eta;
-        if square >= 4.0 {
-            let u = (square - 4.0).sqrt();
+        if square >= 4.0 - SAME {
+            let u = (square - 4.0).max(0.0).sqrt();
             let t = forwards(eta.atan2(xi) + 2.0_f64.atan2(u));
             found([left, Steer::Straight, right], [t, u, forwards(t - turn)]);
         }

@@ -9,7 +9,7 @@ use super::field::Field;
 use crate::search::{Budget, Spent};
 
 /// Cells per unit of length, unless the map is too large for that.
-const FINENESS: f64 = 4.0;
+const FINENESS: f64 = 8.0;
 /// Most cells of the flood.
 const MOST_CELLS: f64 = 2e6;
 
@@ -32,32 +32,50 @@ pub(super) fn may_connect(field: &Field, start: &Place, goal: &Place, budget: &B
         Model::Clcbs => field.step,
         Model::Exact => 0.0,
     };
-    let reach = (jump * fineness).ceil() as isize + 1;
-    let (from, to) = (at(start), at(goal));
-    // 0 not seen, 1 seen, 2 blocked
+    // between the middles of cells
+    let far = jump * fineness + std::f64::consts::SQRT_2 + 1e-9;
+    let reach = far as isize;
+    let ends = [at(start), at(goal)];
+    // which ends have seen a cell, as bits, and whether it is blocked
+    const BLOCKED: u8 = 4;
     let mut state = vec![0_u8; columns * rows];
-    let mut open = vec![to];
-    state[to.1 * columns + to.0] = 1;
-    while let Some((column, row)) = open.pop() {
-        budget.spend(1)?;
-        if (column, row) == from {
-            return Ok(true);
-        }
-        for dy in -reach..=reach {
-            for dx in -reach..=reach {
-                let (Some(x), Some(y)) = (column.checked_add_signed(dx), row.checked_add_signed(dy)) else { continue };
-                if x >= columns || y >= rows || state[y * columns + x] != 0 {
-                    continue;
-                }
-                let middle = ((x as f64 + 0.5) / fineness, (y as f64 + 0.5) / fineness);
-                if (x, y) != from && field.surely_blocked(middle, half_diagonal) {
-                    state[y * columns + x] = 2;
-                } else {
-                    state[y * columns + x] = 1;
-                    open.push((x, y));
+    let mut open = ends.map(|end| vec![end]);
+    for (end, (column, row)) in ends.iter().enumerate() {
+        state[row * columns + column] |= 1 << end;
+    }
+    if ends[0] == ends[1] {
+        return Ok(true);
+    }
+    // in turn, so that the end that is walled in is done soon
+    loop {
+        for end in [0, 1] {
+            let Some((column, row)) = open[end].pop() else { return Ok(false) };
+            budget.spend(1)?;
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    let (Some(x), Some(y)) = (column.checked_add_signed(dx), row.checked_add_signed(dy)) else {
+                        continue;
+                    };
+                    if x >= columns || y >= rows || (dx * dx + dy * dy) as f64 > far * far {
+                        continue;
+                    }
+                    let seen = state[y * columns + x];
+                    if seen & (BLOCKED | 1 << end) != 0 {
+                        continue;
+                    }
+                    if seen != 0 {
+                        // the other end has been here
+                        return Ok(true);
+                    }
+                    let middle = ((x as f64 + 0.5) / fineness, (y as f64 + 0.5) / fineness);
+                    if field.surely_blocked(middle, half_diagonal) {
+                        state[y * columns + x] = BLOCKED;
+                    } else {
+                        state[y * columns + x] = 1 << end;
+                        open[end].push((x, y));
+                    }
                 }
             }
         }
     }
-    Ok(false)
 }

@@ -11,6 +11,8 @@
 //! - After the last motion of the others time is no longer told apart, so that the search space is finite.
 //! - Meeting others costs what the caller says, which may be infinite.
 //! - Heuristics of new states are their parent's less the step, made exact when they come to be expanded.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,26 +20,30 @@ use std::f64::consts::TAU;
 
 use super::body::during;
 use super::curve::{Curve, Place, Segment, Steer, wrap};
-use super::field::Field;
+use super::field::{Field, Prices};
 use super::steering;
 use super::table::Table;
 use super::traffic::Traffic;
 use super::way::{WAIT, Way, steps_of};
 use crate::search::{Budget, Spent};
 
-/// Headings that are told apart.
+/// Least number of headings that are told apart, and how many per largest turn of a step; more do not fit into keys.
 const HEADINGS: f64 = 24.0;
+const HEADINGS_PER_STEP: f64 = 2.5;
+const MOST_HEADINGS: f64 = 255.0;
 /// Cells per step length.
 const CELLS_PER_STEP: f64 = 1.0;
 /// Excess of a state's own total over what it was queued with that is not worth queueing it again.
 const REQUEUE: f64 = 1e-3;
 
 /// What is asked of the search.
+#[derive(Clone, Copy)]
 pub(super) struct Ask<'a> {
     pub(super) field: &'a Field,
     pub(super) traffic: &'a Traffic,
     /// What a step costs in which one is in the way of a body, by body; 0 for the one that is planned.
     pub(super) weights: &'a [f64],
+    pub(super) prices: &'a Prices,
     pub(super) start: Place,
     /// Where to; none: to any place where the body is not in the way.
     pub(super) goal: Option<Place>,
@@ -50,6 +56,8 @@ pub(super) struct Ask<'a> {
     /// Most states to expand.
     pub(super) limit: u64,
     pub(super) care: Care,
+    /// Into how many a whole step, and a cell, is divided.
+    pub(super) fineness: u32,
 }
 
 /// What the search leaves out.
@@ -207,7 +215,7 @@ impl HybridAstar {
             if let Some(goal) = ask.goal
                 && node.curves == 0
             {
-                let list = steering::cheapest(field, node.gear, &node.place, &goal);
+                let list = steering::cheapest(field, ask.prices, node.gear, &node.place, &goal);
                 node.first = self.curves.len() as u32;
                 node.curves = list.as_slice().len() as u8;
                 self.curves.extend_from_slice(list.as_slice());
@@ -262,14 +270,15 @@ impl HybridAstar {
         let node = self.nodes[index as usize];
         let mut in_the_way = hindered;
         let everything = ask.care != Care::Quick;
+        let length = field.step / f64::from(ask.fineness);
+        let (sin, cos) = if ask.fineness == 1 { field.step_sin_cos } else { length.sin_cos() };
         for (steer, sign) in field.primitives() {
             if *sign < 0.0 && !everything && !in_the_way && node.gear >= 0 && node.time > 0 {
                 continue;
             }
-            let step = Segment { steer: *steer, length: sign * field.step };
-            let (sin, cos) = field.step_sin_cos;
+            let step = Segment { steer: *steer, length: sign * length };
             let place = node.place.moved(step, (sign * sin, cos));
-            let (price, gear) = field.cost(node.gear, step);
+            let (price, gear) = field.cost(ask.prices, node.gear, step);
             let cost = node.cost + price;
             let ahead = ask.goal.map_or(0.0, |goal| (node.ahead - price).max(apart(&place, &goal)));
             if cost + ahead >= below || !field.is_free(&node.place, step, &place) || !keeps(ask, &node, step) {
@@ -342,9 +351,11 @@ fn key(ask: &Ask<'_>, limits: &Limits, node: &Node) -> u64 {
         let at = fine(place.x).wrapping_mul(0xc2b2_ae3d_27d4_eb4f) ^ fine(place.y).wrapping_mul(0x1656_67b1_9e37_79f9);
         return at.rotate_left(17) ^ turned ^ time.wrapping_mul(0xff51_afd7_ed55_8ccd) ^ (node.gear as u64) << 40;
     }
-    let cells = CELLS_PER_STEP / ask.field.step;
+    let fineness = f64::from(ask.fineness);
+    let cells = fineness * CELLS_PER_STEP / ask.field.step;
+    let headings = (fineness * HEADINGS.max(HEADINGS_PER_STEP * TAU / ask.field.step)).min(MOST_HEADINGS);
     let (x, y) = ((place.x * cells) as u64 & 0xf_ffff, (place.y * cells) as u64 & 0xf_ffff);
-    let heading = (wrap(place.yaw) * (HEADINGS / TAU)).floor() as i64 as u64 & 0xff;
+    let heading = (wrap(place.yaw) * (headings / TAU)).floor() as i64 as u64 & 0xff;
     time << 48 | x << 28 | y << 8 | heading
 }
 
@@ -390,7 +401,7 @@ fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64)
         if !field.is_free(&at, step, &to) || !ask.rules.iter().all(|rule| rule.allows(&at, step, time as u32)) {
             return None;
         }
-        let (price, now) = field.cost(gear, step);
+        let (price, now) = field.cost(ask.prices, gear, step);
         cost += price + ask.traffic.weigh(field, ask.weights, &at, step, &to, time);
         if cost >= below {
             return None;

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cohaul_planner::formation::{self, Chosen};
+use cohaul_planner::formation::Chosen;
+use cohaul_planner::load_path::{self, Planned};
 use serde_json::{Value, json};
 
 use super::{Common, DONE, parse, say, warnings};
@@ -20,9 +21,9 @@ pub(super) struct Check {
 pub(super) fn check(arguments: &Check) -> Result<i32, FileError> {
     let parsed = parse(&arguments.file, &arguments.common, None)?;
     let scenario = &parsed.scenario;
-    // as drawn for its own seed: slots may depend on what is drawn
+    // as drawn for its own seed: slots and ways may depend on what is drawn
     let drawn = files::draw_open(&parsed, None)?;
-    let (_, chosen) = formation::resolve_with(&drawn)?;
+    let (_, chosen, planned) = load_path::resolve_with(&drawn)?;
     let robots: usize = scenario.teams.iter().map(|team| team.robots.count).sum();
     if arguments.common.json {
         let object = json!({
@@ -32,6 +33,7 @@ pub(super) fn check(arguments: &Check) -> Result<i32, FileError> {
             "teams": scenario.teams.len(),
             "robots": robots,
             "formations": chosen.iter().map(choice).collect::<Vec<_>>(),
+            "ways": planned.iter().map(way).collect::<Vec<_>>(),
             "warnings": warnings(&parsed.warnings),
         });
         say(&object.to_string());
@@ -42,8 +44,23 @@ pub(super) fn check(arguments: &Check) -> Result<i32, FileError> {
         for choice in &chosen {
             say(&choice.to_string());
         }
+        for way in &planned {
+            say(&way.to_string());
+        }
     }
     Ok(DONE)
+}
+
+pub(super) fn way(planned: &Planned) -> Value {
+    let path = &planned.path;
+    json!({
+        "team": planned.team,
+        "waypoints": path.waypoints.iter().map(|at| [at.x, at.y]).collect::<Vec<_>>(),
+        "length_m": path.length,
+        "turning_rad": path.turning,
+        "clearance_m": planned.clearance.least,
+        "nearest": planned.clearance.nearest.map(|nearest| nearest.to_string()),
+    })
 }
 
 fn choice(chosen: &Chosen) -> Value {

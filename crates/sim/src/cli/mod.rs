@@ -14,6 +14,7 @@ mod recover;
 mod replay;
 mod reproduce;
 mod run;
+mod ways;
 
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::Path;
@@ -199,6 +200,7 @@ fn remedy(error: &FileError) -> Option<String> {
         FileError::Formation(error) | FileError::Capacity(CapacityError::Formation(error)) => Some(error.remedy()),
         FileError::Reform(ReformError::Formation(error)) => Some(error.remedy()),
         FileError::Format(error) => Some(error.remedy()),
+        FileError::LoadPath(error) | FileError::Capacity(CapacityError::LoadPath(error)) => Some(error.remedy()),
         _ => None,
     }
 }
@@ -244,7 +246,7 @@ fn report(error: &FileError, json: bool) -> i32 {
     match error {
         FileError::Trials(_) | FileError::Format(_) => BAD_INPUT,
         FileError::Generate(GenerateError::OutOfRange { .. }) => USAGE,
-        FileError::Scenario(_) | FileError::Formation(_) | FileError::Capacity(_) => BAD_INPUT,
+        FileError::Scenario(_) | FileError::Formation(_) | FileError::LoadPath(_) | FileError::Capacity(_) => BAD_INPUT,
         FileError::Reform(ReformError::NoSuchRobot { .. } | ReformError::NoSuchTeam { .. }) => BAD_INPUT,
         FileError::Io { action: "read", .. } => BAD_INPUT,
         FileError::Sim(SimError::Record(RecordError::NotALog)) => BAD_INPUT,

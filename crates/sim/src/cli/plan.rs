@@ -9,6 +9,7 @@ use cohaul_planner::outcome::Outcome;
 use cohaul_planner::{car, instance};
 use serde_json::{Value, json};
 
+use super::ways;
 use super::{DONE, FAILED, INTERRUPTED, USAGE, as_object, complain, say};
 use crate::files::{self, FileError};
 use crate::planning::{self, AnyPlan, Planner, Request, Source, report};
@@ -115,8 +116,9 @@ impl Drawn {
 
 #[derive(Args)]
 pub(super) struct Plan {
-    /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map.
-    file: PathBuf,
+    /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map; or the scenario of a mission,
+    /// whose loads with `plan: auto` get their ways.
+    pub(super) file: PathBuf,
     /// Search: cbs or ecbs for grids (cbs-ta, ecbs-ta, ita-cbs or ita-ecbs where goals are to be assigned), cl-cbs for bodies that
     /// drive.
     #[arg(long, value_name = "NAME", value_parser = planner)]
@@ -146,6 +148,20 @@ pub(super) struct Plan {
     pub(super) json: bool,
 }
 
+impl Plan {
+    /// An option that was given and means nothing for missions.
+    pub(super) fn of_no_use_for_missions(&self) -> Option<&'static str> {
+        let given = [
+            ("--planner", self.planner.is_some()),
+            ("--bound", self.bound.is_some()),
+            ("--batch", self.batch.is_some()),
+            ("--out", self.out.is_some()),
+            ("--page and --picture", self.drawn.is_wanted()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+}
+
 fn planner(text: &str) -> Result<Planner, String> {
     let names: Vec<&str> = Planner::NAMES.iter().map(|(name, _)| *name).collect();
     Planner::named(text).ok_or_else(|| format!("known are {}", names.join(", ")))
@@ -163,6 +179,9 @@ fn timeout(text: &str) -> Result<f64, String> {
 
 pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i32, FileError> {
     let watch = Stopwatch::start();
+    if planning::is_mission(&arguments.file)? {
+        return ways::plan(arguments, &watch);
+    }
     let document = planning::read(&arguments.file, &arguments.instance.source())?;
     let instance = &document.instance;
     let planner = arguments.planner.unwrap_or_else(|| Planner::for_instance(instance));

@@ -32,6 +32,8 @@ pub const DOWNHILL: Base = base!("downhill.yaml");
 pub const HARDWARE: Base = base!("hardware.yaml");
 /// Ten robots.
 pub const TEN: Base = base!("ten.yaml");
+/// A field of obstacles, waypoints planned.
+pub const CLUTTER: Base = base!("clutter.yaml");
 /// Two teams with two loads.
 pub const TWO_TEAMS: Base = base!("two_teams.yaml");
 

@@ -10,6 +10,7 @@ mod baseline;
 pub mod bisect;
 mod breakaway;
 mod capacity;
+mod clutter;
 mod columns;
 pub mod design;
 pub mod figure;
@@ -106,7 +107,7 @@ pub trait Experiment: Sync {
 }
 
 /// Every experiment, in the order of the paper.
-pub const ALL: [&dyn Experiment; 14] = [
+pub const ALL: [&dyn Experiment; 15] = [
     &terrain::TerrainMissions,
     &generalize::Generalize,
     &breakaway::Breakaway,
@@ -119,6 +120,7 @@ pub const ALL: [&dyn Experiment; 14] = [
     &missions::Hardware,
     &missions::Ten,
     &missions::TwoTeams,
+    &clutter::Clutter,
     &robustness::Robustness,
     &ablation::Ablation,
 ];

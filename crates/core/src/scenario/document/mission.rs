@@ -19,6 +19,9 @@ pub struct Mission {
     #[garde(length(max = 1000), dive)]
     #[schemars(length(min = 1))]
     pub waypoints: Vec<Point>,
+    /// Whether the waypoints are given, or planned through the obstacles before the mission starts (see `cohaul check`).
+    #[serde(default, skip_serializing_if = "Plan::is_given")]
+    pub plan: Plan,
     /// Where the load's centre shall end.
     #[garde(dive)]
     pub goal: Point,
@@ -63,6 +66,23 @@ impl Mission {
 
     const fn default_time_limit() -> f64 {
         1500.0
+    }
+}
+
+/// Where waypoints come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Plan {
+    /// The scenario lists them, or has none.
+    #[default]
+    Given,
+    /// The planner finds a way for load and team through obstacles and walls.
+    Auto,
+}
+
+impl Plan {
+    fn is_given(&self) -> bool {
+        *self == Self::Given
     }
 }
 
