@@ -116,6 +116,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     })
 }
 
+/// Whether there is something at `path`.
+pub fn exists(path: &Path) -> bool {
+    path.exists()
+}
+
 /// Writes a file; makes its folder where there is none.
 ///
 /// # Errors

@@ -15,6 +15,7 @@ use cohaul_planner::search::Budget;
 use cohaul_planner::{car, grid};
 
 use crate::files::{self, FileError};
+use crate::memory;
 use crate::page;
 use crate::stopwatch::Stopwatch;
 
@@ -207,6 +208,11 @@ fn unknown(name: &str) -> FormatError {
     FormatError::new(name, 1, 1, io::FormatProblem::OtherKind { found, remedy: "give a grid, or cars" })
 }
 
+/// CPU time, s, that it takes to give back a byte of a search's memory, measured: the deadline includes that.
+const GIVING_BACK: f64 = 0.4e-9;
+/// Memory, bytes, beyond which a search gives up.
+pub const MOST_MEMORY: f64 = 4.0 * 1024.0 * 1024.0 * 1024.0;
+
 /// The usual bound on grids.
 pub const GRID_BOUND: f64 = 1.3;
 
@@ -247,7 +253,11 @@ pub fn solve(
     interrupted: &dyn Fn() -> bool,
 ) -> Option<Answer> {
     let own = Stopwatch::start();
-    let stop = || interrupted() || watch.seconds().0 >= request.timeout;
+    let held = memory::resident();
+    let stop = || {
+        let grown = memory::resident() - held;
+        interrupted() || watch.seconds().0 + GIVING_BACK * grown >= request.timeout || grown > MOST_MEMORY
+    };
     let budget = Budget::new(u64::MAX, &stop);
     let (outcome, effort) = match (instance, request.planner) {
         (Instance::Grid(instance), Planner::Grid(planner)) => {

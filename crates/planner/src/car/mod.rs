@@ -143,6 +143,7 @@ impl Planner<'_> {
     fn run(&mut self, assign: bool, budget: &Budget<'_>) -> Result<Result<Draft, Vec<Reason>>, Spent> {
         let mut without = Vec::new();
         let mut reasons = Vec::new();
+        let mut taken = 0;
         loop {
             let (field, checked, metric) = (self.field, self.checked, self.options.metric);
             let mut assignments = assignments(field, checked, assign.then_some(metric), &without);
@@ -150,6 +151,12 @@ impl Planner<'_> {
                 reasons.push(Reason::Exhausted);
                 return Ok(Err(reasons));
             };
+            let now = assigned.goals.iter().flatten().count();
+            if now < taken {
+                // as many as could stand at goals do not reach them
+                return Ok(Err(reasons));
+            }
+            taken = now;
             self.lower = self.bound_of(&assigned);
             // in two steps the first assignment is the only one
             let given = metric == Metric::Manhattan && assign;

@@ -33,8 +33,8 @@ pub(super) struct Instance {
     #[arg(long, value_name = "CONFIG")]
     vehicle: Option<PathBuf>,
     /// Only the first N agents.
-    #[arg(long, value_name = "N")]
-    agents: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    agents: Option<u32>,
     /// When bodies count as touching.
     #[arg(long, value_enum, default_value = "clcbs")]
     model: Model,
@@ -73,7 +73,7 @@ impl Instance {
         Source {
             map: self.map.clone(),
             vehicle: self.vehicle.clone(),
-            agents: self.agents,
+            agents: self.agents.map(|agents| agents as usize),
             free_starts: self.starts == Starts::Free,
         }
     }
@@ -237,6 +237,11 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
         say(&format!("{}: {agents} agents, {}", arguments.file.display(), planner.name()));
         for (label, value) in report::rows(&answer, &reasons, arguments.timeout) {
             say(&format!("  {label:<14}{value}"));
+        }
+        if let (None, Some(path)) = (written, &arguments.out)
+            && files::exists(path)
+        {
+            say(&format!("  {:<14}not written; what is in {} is older", "plan", path.display()));
         }
         for (label, path) in [("plan", written), ("page", page), ("picture", picture)] {
             if let Some(path) = path {

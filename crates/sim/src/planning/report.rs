@@ -45,7 +45,7 @@ fn reason(answer: &Answer, reasons: &[Value], timeout: f64) -> Option<String> {
             Some(details.join("; "))
         }
         Outcome::BudgetSpent { .. } => {
-            Some(format!("stopped before an answer was found (limit {timeout} s of CPU time)"))
+            Some(format!("stopped before an answer was found (limit {timeout} s of CPU time or 4 GiB of memory)"))
         }
     }
 }
@@ -81,6 +81,9 @@ pub fn rows(answer: &Answer, reasons: &[Value], timeout: f64) -> Vec<(&'static s
     }
     let details = reasons.iter().filter_map(|reason| reason["detail"].as_str());
     rows.extend(details.map(|detail| ("because", detail.to_owned())));
+    if let Outcome::BudgetSpent { best_bound } = &answer.outcome {
+        rows.push(("lower bound", three_digits(*best_bound)));
+    }
     if let Outcome::Solved(plan) = &answer.outcome {
         let claims = plan.claims();
         let numbers = [
