@@ -23,7 +23,7 @@ use crate::outcome::Effort;
 use crate::search::{Budget, Spent};
 
 /// States that one search may expand while conflicts are negotiated.
-pub(super) const LIMIT: u64 = 4_000;
+pub(super) const LIMIT: u64 = 2_000;
 /// Most rounds of negotiation, which ends sooner where it gets no further, then of repair around single conflicts.
 const ROUNDS: usize = 12;
 const REPAIRS: usize = 2_000;
@@ -107,7 +107,9 @@ impl<'a> Fleet<'a> {
     ) -> Result<Option<(Way, f64)>, Spent> {
         let task = self.tasks[body];
         let fineness = self.fineness[body];
-        let own = std::mem::replace(&mut self.weights[body], 0.0);
+        // its own way is in nobody's way
+        let own = self.traffic.way(body).cloned();
+        self.traffic.set(body, None);
         let ask = Ask {
             field: self.field,
             traffic: &self.traffic,
@@ -123,7 +125,7 @@ impl<'a> Fleet<'a> {
             fineness,
         };
         let found = self.search.find(&ask, budget);
-        self.weights[body] = own;
+        self.traffic.set(body, own);
         let found = found?;
         self.effort.low_level_expanded += found.expanded;
         Ok(found.way.map(|way| (way, found.total)))

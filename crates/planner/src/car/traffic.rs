@@ -10,6 +10,9 @@ use super::curve::{Place, Segment};
 use super::field::Field;
 use super::way::{WAIT, Way};
 
+/// Bodies that are looked at at once.
+const BLOCK: usize = 32;
+
 /// The ways of all bodies. Those without a way are nowhere.
 pub(super) struct Traffic {
     bodies: usize,
@@ -17,12 +20,23 @@ pub(super) struct Traffic {
     rows: usize,
     x: Vec<f64>,
     y: Vec<f64>,
+    /// The same rounded: whether anybody is near at all is asked most often, and mostly nobody is.
+    coarse_x: Vec<f32>,
+    coarse_y: Vec<f32>,
     ways: Vec<Option<Arc<Way>>>,
 }
 
 impl Traffic {
     pub(super) fn new(bodies: usize) -> Self {
-        Self { bodies, rows: 1, x: vec![f64::NAN; bodies], y: vec![f64::NAN; bodies], ways: vec![None; bodies] }
+        Self {
+            bodies,
+            rows: 1,
+            x: vec![f64::NAN; bodies],
+            y: vec![f64::NAN; bodies],
+            coarse_x: vec![f32::NAN; bodies],
+            coarse_y: vec![f32::NAN; bodies],
+            ways: vec![None; bodies],
+        }
     }
 
     /// Step from which on nobody moves.
@@ -41,6 +55,8 @@ impl Traffic {
                 let last = (self.rows - 1) * self.bodies;
                 self.x.extend_from_within(last..);
                 self.y.extend_from_within(last..);
+                self.coarse_x.extend_from_within(last..);
+                self.coarse_y.extend_from_within(last..);
                 self.rows += 1;
             }
         }
@@ -51,6 +67,8 @@ impl Traffic {
             });
             self.x[row * self.bodies + body] = x;
             self.y[row * self.bodies + body] = y;
+            self.coarse_x[row * self.bodies + body] = x as f32;
+            self.coarse_y[row * self.bodies + body] = y as f32;
         }
         let before = std::mem::replace(&mut self.ways[body], way);
         // rows at the end in which nobody moves any more are of no use
@@ -59,7 +77,26 @@ impl Traffic {
             self.rows = last + 1;
             self.x.truncate(self.rows * self.bodies);
             self.y.truncate(self.rows * self.bodies);
+            self.coarse_x.truncate(self.rows * self.bodies);
+            self.coarse_y.truncate(self.rows * self.bodies);
         }
+    }
+
+    /// Whether anybody may be within a distance, squared, of (x, y) in the row that begins at `row`.
+    #[inline]
+    fn is_anybody_near(&self, row: usize, (x, y): (f64, f64), square: f64) -> bool {
+        let (x, y) = (x as f32, y as f32);
+        // more than what rounding to seven digits can hide on a map of this size
+        let square = square as f32 * 1.001 + 0.001 * (1.0 + x.abs().max(y.abs()) * 1e-3);
+        let (xs, ys) = (&self.coarse_x[row..row + self.bodies], &self.coarse_y[row..row + self.bodies]);
+        // blocks without branches within, so that several are looked at at once
+        xs.chunks(BLOCK).zip(ys.chunks(BLOCK)).any(|(xs, ys)| {
+            let near = |(other_x, other_y): (&f32, &f32)| {
+                let (dx, dy) = (other_x - x, other_y - y);
+                dx * dx + dy * dy < square
+            };
+            xs.iter().zip(ys).fold(false, |any, pair| any | near(pair))
+        })
     }
 
     /// Sum of `weights` over the bodies that are in the way of a body which drives `step` from `from` to `to` in the step
@@ -77,6 +114,9 @@ impl Traffic {
         match field.model {
             Model::Clcbs => {
                 let row = (time + 1).min(self.rows - 1) * self.bodies;
+                if !self.is_anybody_near(row, (to.x, to.y), field.separation_squared) {
+                    return 0.0;
+                }
                 let (xs, ys) = (&self.x[row..row + self.bodies], &self.y[row..row + self.bodies]);
                 let mut sum = 0.0;
                 for ((x, y), weight) in xs.iter().zip(ys).zip(weights) {
@@ -89,6 +129,9 @@ impl Traffic {
                 let row = time.min(self.rows - 1) * self.bodies;
                 let (xs, ys) = (&self.x[row..row + self.bodies], &self.y[row..row + self.bodies]);
                 let reach = 2.0 * (field.body.offset.abs() + field.body.radius + field.step);
+                if !self.is_anybody_near(row, (from.x, from.y), reach * reach) {
+                    return 0.0;
+                }
                 let mut sum = 0.0;
                 for (other, ((x, y), weight)) in xs.iter().zip(ys).zip(weights).enumerate() {
                     let (dx, dy) = (x - from.x, y - from.y);
