@@ -4,6 +4,7 @@
 mod allocations;
 mod beyond;
 mod capacity;
+mod cars;
 mod certify;
 mod compare;
 mod contact;

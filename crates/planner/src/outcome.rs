@@ -94,6 +94,11 @@ pub enum Reason {
         /// Who.
         agent: usize,
     },
+    /// The instance makes no sense: it has numbers that are none, or absurdly large ones, or obstacles without an inside.
+    Malformed {
+        /// What makes none.
+        what: String,
+    },
     /// All that there is to search was searched.
     Exhausted,
 }
@@ -109,7 +114,7 @@ impl Reason {
             | Self::Unreachable { agent, .. }
             | Self::NoGoal { agent } => vec![agent],
             Self::StartsCollide { first, second } | Self::GoalsCollide { first, second } => vec![first, second],
-            Self::Exhausted => Vec::new(),
+            Self::Malformed { .. } | Self::Exhausted => Vec::new(),
         }
     }
 }
@@ -137,6 +142,7 @@ impl fmt::Display for Reason {
                 write!(f, "no way leads from the start of agent {agent} to its goal {goal}")
             }
             Self::NoGoal { agent } => write!(f, "agent {agent} has no goal"),
+            Self::Malformed { what } => f.write_str(what),
             Self::Exhausted => write!(f, "every possibility was searched"),
         }
     }

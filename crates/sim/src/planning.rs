@@ -310,6 +310,7 @@ pub const fn kind(reason: &Reason) -> &'static str {
         Reason::GoalsCollide { .. } => "goals_collide",
         Reason::Unreachable { .. } => "unreachable",
         Reason::NoGoal { .. } => "no_goal",
+        Reason::Malformed { .. } => "malformed",
         Reason::Exhausted => "exhausted",
         _ => "other",
     }

@@ -4,8 +4,10 @@ use super::Model;
 use super::body::Body;
 use super::curve::Place;
 use super::field::{Blocked, Field};
-use crate::instance::CarInstance;
+use crate::instance::{CarInstance, Obstacle};
 use crate::outcome::Reason;
+use crate::search::{Budget, Spent};
+use cohaul_core::se2::Pose2;
 
 /// Places of starts and goals, and which goals can be taken at all.
 pub(super) struct Checked {
@@ -14,8 +16,49 @@ pub(super) struct Checked {
     pub(super) goals: Vec<Vec<Option<Place>>>,
 }
 
+/// Goals that are looked at in the time of an expansion.
+const LOOKS_PER_EXPANSION: usize = 64;
+/// Largest number that is computed with, m and rad.
+const NUMBER_MAX: f64 = 1e8;
+
+/// What makes no sense in an instance.
+pub(super) fn malformed(instance: &CarInstance) -> Option<String> {
+    let is_sane = |value: &f64| value.abs() <= NUMBER_MAX;
+    let vehicle = &instance.vehicle;
+    if let Err(error) = vehicle.validate() {
+        return Some(error.to_string());
+    }
+    let lengths = [vehicle.turning_radius, vehicle.front, vehicle.rear, vehicle.width];
+    let penalties = [vehicle.turning_penalty, vehicle.reversing_penalty, vehicle.switching_penalty];
+    if !lengths.iter().chain(&penalties).all(is_sane) {
+        return Some("the vehicle has a number that is too large".to_owned());
+    }
+    if !is_sane(&instance.width) || !is_sane(&instance.height) {
+        return Some(format!("the map is {} × {} m", instance.width, instance.height));
+    }
+    for (agent, given) in instance.agents.iter().enumerate() {
+        let numbers = |pose: &Pose2| [pose.translation.x, pose.translation.y, pose.rotation.re, pose.rotation.im];
+        if !std::iter::once(&given.start).chain(&given.goals).flat_map(numbers).all(|value| is_sane(&value)) {
+            return Some(format!("the start or a goal of agent {agent} has a number that makes no sense"));
+        }
+    }
+    let is_solid = |obstacle: &Obstacle| match obstacle {
+        Obstacle::Point { at, radius } => is_sane(&at.x) && is_sane(&at.y) && is_sane(radius) && *radius >= 0.0,
+        Obstacle::Polygon(corners) => corners.len() > 2 && corners.iter().all(|at| is_sane(&at.x) && is_sane(&at.y)),
+    };
+    let at = instance.obstacles.iter().position(|obstacle| !is_solid(obstacle))?;
+    Some(format!("obstacle {at} has a number that makes no sense, or too few corners"))
+}
+
 /// Looks at starts and goals: all reasons why there cannot be a plan.
-pub(super) fn check(field: &Field, instance: &CarInstance) -> Result<Checked, Vec<Reason>> {
+///
+/// # Errors
+/// [`Spent`] as soon as the budget is.
+pub(super) fn check(
+    field: &Field,
+    instance: &CarInstance,
+    budget: &Budget<'_>,
+) -> Result<Result<Checked, Vec<Reason>>, Spent> {
     let mut reasons = Vec::new();
     let starts: Vec<Place> = instance.agents.iter().map(|agent| field.place(&agent.start)).collect();
     for (agent, start) in starts.iter().enumerate() {
@@ -32,6 +75,9 @@ pub(super) fn check(field: &Field, instance: &CarInstance) -> Result<Checked, Ve
         let mut own = Vec::with_capacity(task.goals.len());
         let mut blocked = Vec::new();
         for (goal, pose) in task.goals.iter().enumerate() {
+            if goal % LOOKS_PER_EXPANSION == 0 {
+                budget.spend(1)?;
+            }
             let place = field.place(pose);
             own.push(match field.blocked(&place) {
                 None => Some(place),
@@ -69,7 +115,7 @@ pub(super) fn check(field: &Field, instance: &CarInstance) -> Result<Checked, Ve
             reasons.push(Reason::GoalsCollide { first: taken[first].0, second: taken[second].0 });
         }
     }
-    if reasons.is_empty() { Ok(Checked { starts, goals }) } else { Err(reasons) }
+    Ok(if reasons.is_empty() { Ok(Checked { starts, goals }) } else { Err(reasons) })
 }
 
 /// Whether two bodies cannot both rest at these places.

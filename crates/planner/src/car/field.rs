@@ -8,6 +8,8 @@ use cohaul_core::se2::Pose2;
 
 /// Most cells of the index; larger maps get larger cells.
 const MOST_CELLS: f64 = 1e6;
+/// Most entries of obstacles in cells, unless there are more obstacles than that.
+const MOST_ENTRIES: usize = 1_000_000;
 
 /// Factors on the cost of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +23,26 @@ pub(super) struct Prices {
 #[derive(Clone, Debug)]
 enum Solid {
     Point { at: (f64, f64), margin: f64 },
-    Polygon { corners: Vec<(f64, f64)>, middle: (f64, f64), radius: f64 },
+    Polygon { corners: Vec<(f64, f64)> },
+}
+
+impl Solid {
+    /// What lies within `reach` of it: left, right, low and high ends.
+    fn extent(&self, reach: f64) -> [f64; 4] {
+        match self {
+            Self::Point { at: (x, y), margin } => {
+                let far = reach + margin * std::f64::consts::SQRT_2;
+                [x - far, x + far, y - far, y + far]
+            }
+            Self::Polygon { corners } => {
+                let none = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+                let [left, right, low, high] = corners.iter().fold(none, |[left, right, low, high], (x, y)| {
+                    [left.min(*x), right.max(*x), low.min(*y), high.max(*y)]
+                });
+                [left - reach, right + reach, low - reach, high + reach]
+            }
+        }
+    }
 }
 
 /// The prepared instance. Lengths in units of the turning radius.
@@ -75,14 +96,9 @@ impl Field {
                 Obstacle::Point { at, radius } => {
                     Solid::Point { at: (at.x * unit, at.y * unit), margin: radius.max(0.0) * unit }
                 }
-                Obstacle::Polygon(corners) => {
-                    let corners: Vec<_> = corners.iter().map(|corner| (corner.x * unit, corner.y * unit)).collect();
-                    let n = corners.len().max(1) as f64;
-                    let sum = corners.iter().fold((0.0, 0.0), |sum, corner| (sum.0 + corner.0, sum.1 + corner.1));
-                    let middle = (sum.0 / n, sum.1 / n);
-                    let radius = corners.iter().map(|c| (c.0 - middle.0).hypot(c.1 - middle.1)).fold(0.0, f64::max);
-                    Solid::Polygon { corners, middle, radius }
-                }
+                Obstacle::Polygon(corners) => Solid::Polygon {
+                    corners: corners.iter().map(|corner| (corner.x * unit, corner.y * unit)).collect(),
+                },
             })
             .collect();
         let (width, height) = (instance.width * unit, instance.height * unit);
@@ -126,19 +142,35 @@ impl Field {
     /// Lists in every cell the obstacles that a body whose reference point is there may touch within a step.
     fn sort_into_cells(&mut self) {
         let reach = self.body.offset.abs() + self.body.radius + self.step;
-        let mut pairs: Vec<(u32, u32)> = Vec::new();
-        for (index, solid) in self.solids.iter().enumerate() {
-            let ((x, y), radius) = match solid {
-                Solid::Point { at, margin } => (*at, margin * std::f64::consts::SQRT_2),
-                Solid::Polygon { middle, radius, .. } => (*middle, *radius),
-            };
-            let far = reach + radius;
-            let clamp = |value: f64, most: usize| ((value / self.cell).max(0.0) as usize).min(most - 1);
-            if x + far < 0.0 || y + far < 0.0 || x - far > self.width || y - far > self.height {
-                continue;
+        let boxes: Vec<[f64; 4]> = self.solids.iter().map(|solid| solid.extent(reach)).collect();
+        // columns and rows that a box touches, first and last; none where it is off the map
+        let touched = |field: &Self, [left, right, low, high]: [f64; 4]| {
+            let clamp = |value: f64, most: usize| ((value / field.cell).max(0.0) as usize).min(most - 1);
+            let is_on_map = right >= 0.0 && high >= 0.0 && left <= field.width && low <= field.height;
+            is_on_map.then(|| {
+                let (columns, rows) = (field.columns, field.rows);
+                ((clamp(left, columns), clamp(right, columns)), (clamp(low, rows), clamp(high, rows)))
+            })
+        };
+        // large obstacles by the thousand ask for larger cells
+        loop {
+            let entries: usize = boxes
+                .iter()
+                .filter_map(|extent| touched(self, *extent))
+                .map(|((left, right), (low, high))| (right - left + 1) * (high - low + 1))
+                .sum();
+            if entries <= MOST_ENTRIES.max(boxes.len()) || self.columns * self.rows == 1 {
+                break;
             }
-            for row in clamp(y - far, self.rows)..=clamp(y + far, self.rows) {
-                for column in clamp(x - far, self.columns)..=clamp(x + far, self.columns) {
+            self.cell *= 2.0;
+            self.columns = (self.width / self.cell) as usize + 1;
+            self.rows = (self.height / self.cell) as usize + 1;
+        }
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for (index, extent) in boxes.iter().enumerate() {
+            let Some(((left, right), (low, high))) = touched(self, *extent) else { continue };
+            for row in low..=high {
+                for column in left..=right {
                     pairs.push(((row * self.columns + column) as u32, index as u32));
                 }
             }
@@ -181,7 +213,7 @@ impl Field {
     fn gap(&self, solid: u32, place: &Place) -> f64 {
         match &self.solids[solid as usize] {
             Solid::Point { at, margin } => self.body.gap_to_point(place, *at, *margin),
-            Solid::Polygon { corners, .. } => self.body.gap_to_polygon(place, corners),
+            Solid::Polygon { corners } => self.body.gap_to_polygon(place, corners),
         }
     }
 
@@ -201,7 +233,7 @@ impl Field {
         let place = Place { x: x.clamp(0.0, self.width), y: y.clamp(0.0, self.height), yaw: 0.0, cos: 1.0, sin: 0.0 };
         self.near(&place).iter().any(|solid| match &self.solids[*solid as usize] {
             Solid::Point { at, margin } => (at.0 - x).hypot(at.1 - y) < core + margin,
-            Solid::Polygon { corners, .. } => distance_to_polygon(corners, (x, y)) < core,
+            Solid::Polygon { corners } => distance_to_polygon(corners, (x, y)) < core,
         })
     }
 

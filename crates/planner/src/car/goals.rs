@@ -6,6 +6,9 @@ use super::field::Field;
 use crate::assign::{Costs, NextBest};
 use crate::search::{Assigned, Assignments, Budget, Spent};
 
+/// Goals whose prices are found in the time of an expansion.
+const PRICED_PER_EXPANSION: usize = 16;
+
 /// What an assignment of goals to cars is judged by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Metric {
@@ -32,10 +35,19 @@ pub(super) struct Ranked<'a> {
 
 impl<'a> Ranked<'a> {
     /// Assignments without the pairs of agent and goal in `without`.
-    pub(super) fn new(field: &'a Field, checked: &Checked, metric: Metric, without: &[(usize, usize)]) -> Self {
+    ///
+    /// # Errors
+    /// [`Spent`] as soon as the budget is.
+    pub(super) fn new(
+        field: &'a Field,
+        checked: &Checked,
+        metric: Metric,
+        without: &[(usize, usize)],
+        budget: &Budget<'_>,
+    ) -> Result<Self, Spent> {
         let bits = |place: &Place| [place.x.to_bits(), place.y.to_bits(), place.cos.to_bits(), place.sin.to_bits()];
         let mut places: Vec<Place> = checked.goals.iter().flatten().flatten().copied().collect();
-        places.sort_by_key(bits);
+        places.sort_unstable_by_key(bits);
         places.dedup_by_key(|place| bits(place));
         let mut values = Vec::with_capacity(places.len() * checked.starts.len());
         let mut which = Vec::with_capacity(checked.starts.len());
@@ -44,6 +56,9 @@ impl<'a> Ranked<'a> {
             let row = values.len();
             values.resize(row + places.len(), f64::INFINITY);
             for (goal, place) in goals.iter().enumerate() {
+                if goal % PRICED_PER_EXPANSION == 0 {
+                    budget.spend(1)?;
+                }
                 let Some(place) = place else { continue };
                 if without.contains(&(agent, goal)) {
                     continue;
@@ -61,7 +76,7 @@ impl<'a> Ranked<'a> {
             which.push(own);
         }
         let costs = Costs::new(checked.starts.len(), places.len(), values);
-        Self { field, places, which, costs, next_best: None, bounds: metric == Metric::Curve }
+        Ok(Self { field, places, which, costs, next_best: None, bounds: metric == Metric::Curve })
     }
 }
 

@@ -33,6 +33,10 @@ const HEADINGS_PER_STEP: f64 = 2.5;
 const MOST_HEADINGS: f64 = 255.0;
 /// Cells per step length.
 const CELLS_PER_STEP: f64 = 1.0;
+/// Longest way, in steps: what keys can tell apart.
+const MOST_STEPS: f64 = 65_000.0;
+/// Steps along a curve that are counted as an expansion, beyond those of everyday curves.
+const STEPS_PER_EXPANSION: usize = 256;
 /// Excess of a state's own total over what it was queued with that is not worth queueing it again.
 const REQUEUE: f64 = 1e-3;
 
@@ -246,7 +250,7 @@ impl HybridAstar {
                 if node.cost + price >= below {
                     break;
                 }
-                match follow(ask, &node, &curve, &parked, below) {
+                match follow(ask, &node, &curve, &parked, below, budget)? {
                     Some(total) if total < below => {
                         below = total;
                         best = Some(Arrival { node: index, curve, total });
@@ -387,8 +391,19 @@ fn apart(a: &Place, b: &Place) -> f64 {
 
 /// Cost of reaching the goal from `node` along `curve` and resting there; nothing where something fixed is in the way or
 /// it costs `below` or more.
-fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64) -> Option<f64> {
+fn follow(
+    ask: &Ask<'_>,
+    node: &Node,
+    curve: &Curve,
+    parked: &[f64],
+    below: f64,
+    budget: &Budget<'_>,
+) -> Result<Option<f64>, Spent> {
     let field = ask.field;
+    let length: f64 = curve.segments().iter().map(|segment| segment.length.abs()).sum();
+    if f64::from(node.time) + length / field.step > MOST_STEPS {
+        return Ok(None);
+    }
     let (mut at, mut cost, mut gear, mut time) = (node.place, node.cost, node.gear, node.time as usize);
     let (sin, cos) = field.step_sin_cos;
     for step in steps_of(curve, field.step) {
@@ -399,15 +414,18 @@ fn follow(ask: &Ask<'_>, node: &Node, curve: &Curve, parked: &[f64], below: f64)
             at.after(step)
         };
         if !field.is_free(&at, step, &to) || !ask.rules.iter().all(|rule| rule.allows(&at, step, time as u32)) {
-            return None;
+            return Ok(None);
         }
         let (price, now) = field.cost(ask.prices, gear, step);
         cost += price + ask.traffic.weigh(field, ask.weights, &at, step, &to, time);
         if cost >= below {
-            return None;
+            return Ok(None);
         }
         (at, gear, time) = (to, now, time + 1);
+        if time % STEPS_PER_EXPANSION == 0 {
+            budget.spend(1)?;
+        }
     }
     let total = cost + parked[time.min(parked.len() - 1)];
-    (total < below && may_rest(ask, &at, time as u32)).then_some(total)
+    Ok((total < below && may_rest(ask, &at, time as u32)).then_some(total))
 }

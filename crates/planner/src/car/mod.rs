@@ -40,7 +40,7 @@ use crate::outcome::{Effort, Ended, Outcome, Reason};
 use crate::plan::{CarPlan, Claims, Plan, Route};
 use crate::search::{self, Assigned, Assignments, Budget, Found, Given, Settings, Spent};
 
-use check::{Checked, check};
+use check::{Checked, check, malformed};
 use domain::Cars;
 use field::Field;
 use fleet::{Fleet, Task};
@@ -124,10 +124,14 @@ pub fn solve(instance: &CarInstance, options: &Options, budget: &Budget<'_>) -> 
     if let Err(Spent) = budget.spend(1) {
         return ended(Outcome::BudgetSpent { best_bound: 0.0 }, Effort::default());
     }
+    if let Some(what) = malformed(instance) {
+        return ended(Outcome::Infeasible(vec![Reason::Malformed { what }]), Effort::default());
+    }
     let field = Field::new(instance, options.model);
-    let checked = match check(&field, instance) {
-        Ok(checked) => checked,
-        Err(reasons) => return ended(Outcome::Infeasible(reasons), Effort::default()),
+    let checked = match check(&field, instance, budget) {
+        Err(Spent) => return ended(Outcome::BudgetSpent { best_bound: 0.0 }, Effort::default()),
+        Ok(Ok(checked)) => checked,
+        Ok(Err(reasons)) => return ended(Outcome::Infeasible(reasons), Effort::default()),
     };
     let mut planner = Planner { field: &field, checked: &checked, options, effort: Effort::default(), lower: 0.0 };
     let outcome = match planner.run(instance.assignment, budget) {
@@ -143,21 +147,21 @@ impl Planner<'_> {
     fn run(&mut self, assign: bool, budget: &Budget<'_>) -> Result<Result<Draft, Vec<Reason>>, Spent> {
         let mut without = Vec::new();
         let mut reasons = Vec::new();
-        let mut taken = 0;
+        let mut most = 0;
         loop {
             let (field, checked, metric) = (self.field, self.checked, self.options.metric);
-            let mut assignments = assignments(field, checked, assign.then_some(metric), &without);
+            let mut assignments = assignments(field, checked, assign.then_some(metric), &without, budget)?;
             let Some(assigned) = assignments.next(budget)? else {
                 reasons.push(Reason::Exhausted);
                 return Ok(Err(reasons));
             };
-            let now = assigned.goals.iter().flatten().count();
-            if now < taken {
-                // as many as could stand at goals do not reach them
+            // as many goals are taken as somebody can stand in, or it is said why not
+            let taken = assigned.goals.iter().flatten().count();
+            most = most.max(taken);
+            if taken < most {
                 return Ok(Err(reasons));
             }
-            taken = now;
-            self.lower = self.bound_of(&assigned);
+            self.lower = self.bound_of(&assigned, budget)?;
             // in two steps the first assignment is the only one
             let given = metric == Metric::Manhattan && assign;
             let only = given.then(|| Given::new(assigned.goals.clone()));
@@ -184,19 +188,18 @@ impl Planner<'_> {
     }
 
     /// Sum of the shortest curves; with assignments that are judged by them, no plan at all costs less.
-    fn bound_of(&self, assigned: &Assigned) -> f64 {
+    fn bound_of(&self, assigned: &Assigned, budget: &Budget<'_>) -> Result<f64, Spent> {
         if assigned.cost > 0.0 {
-            return assigned.cost;
+            return Ok(assigned.cost);
         }
         if self.options.metric == Metric::Manhattan {
             // the assignment may not be the best one for cars
-            let mut best = Ranked::new(self.field, self.checked, Metric::Curve, &[]);
-            let unlimited = Budget::new(u64::MAX, &|| false);
-            return best.next(&unlimited).ok().flatten().map_or(0.0, |assigned| assigned.cost);
+            let mut best = Ranked::new(self.field, self.checked, Metric::Curve, &[], budget)?;
+            return Ok(best.next(budget)?.map_or(0.0, |assigned| assigned.cost));
         }
         let goals =
             assigned.goals.iter().enumerate().filter_map(|(agent, goal)| Some((agent, self.goal(agent, *goal)?)));
-        goals.map(|(agent, goal)| self.field.distance(&self.checked.starts[agent], &goal)).sum()
+        Ok(goals.map(|(agent, goal)| self.field.distance(&self.checked.starts[agent], &goal)).sum())
     }
 
     /// The cheapest of the fast planner's plans over the first assignments; the pair of agent and goal that is out of reach.
@@ -235,7 +238,11 @@ impl Planner<'_> {
             if !assign || self.options.metric == Metric::Manhattan {
                 break;
             }
-            next = rest.next(budget)?;
+            // what was found before is a plan, again
+            next = match rest.next(budget) {
+                Err(Spent) if best.is_some() => break,
+                following => following?,
+            };
             // an assignment that cannot be cheaper than the plan is of no use
             let cost = best.as_ref().map_or(f64::INFINITY, Draft::cost);
             next = next.filter(|assigned| assigned.cost < cost);
@@ -274,10 +281,10 @@ impl Planner<'_> {
         let (found, effort) = match only {
             Some(mut only) => search::solve(&mut cars, &mut only, &settings, budget),
             None if assign => {
-                let Ranked { costs, which, .. } = Ranked::new(field, checked, Metric::Curve, without);
+                let Ranked { costs, which, .. } = Ranked::new(field, checked, Metric::Curve, without, budget)?;
                 search::solve_incremental(&mut cars, &costs, &which, &settings, budget)
             }
-            None => search::solve(&mut cars, &mut *assignments(field, checked, None, &[]), &settings, budget),
+            None => search::solve(&mut cars, &mut *assignments(field, checked, None, &[], budget)?, &settings, budget),
         };
         self.effort.high_level_expanded += effort.high_level_expanded;
         self.effort.low_level_expanded += effort.low_level_expanded;
@@ -302,14 +309,15 @@ fn assignments<'a>(
     checked: &'a Checked,
     metric: Option<Metric>,
     without: &[(usize, usize)],
-) -> Box<dyn Assignments + 'a> {
-    match metric {
-        Some(metric) => Box::new(Ranked::new(field, checked, metric, without)),
+    budget: &Budget<'_>,
+) -> Result<Box<dyn Assignments + 'a>, Spent> {
+    Ok(match metric {
+        Some(metric) => Box::new(Ranked::new(field, checked, metric, without, budget)?),
         None => {
             let goals = checked.goals.iter().map(|goals| (!goals.is_empty()).then_some(0)).collect();
             Box::new(Given::new(goals))
         }
-    }
+    })
 }
 
 /// Routes and claims, in metres.

@@ -6,6 +6,9 @@ use super::field::Field;
 /// A step in which a body stands still.
 pub(super) const WAIT: Segment = Segment { steer: Steer::Straight, length: 0.0 };
 
+/// Length that is rounding only, in turning radii: curves come out of roots, which double how many digits are lost.
+const NOTHING: f64 = 3e-8;
+
 /// Places after 0, 1, 2, … steps and the steps between them.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
@@ -68,10 +71,10 @@ pub(super) fn steps_of(curve: &Curve, step: f64) -> impl Iterator<Item = Segment
         let length = segment.length.abs();
         let sign = segment.length.signum();
         // a rest that is only rounding belongs to the last whole step
-        let whole = ((length / step) + 1e-9) as usize;
+        let whole = ((length + NOTHING) / step) as usize;
         let rest = length - whole as f64 * step;
         let full = std::iter::repeat_n(Segment { length: sign * step, ..*segment }, whole);
-        let last = (rest > 1e-9).then_some(Segment { length: sign * rest, ..*segment });
+        let last = (rest > NOTHING).then_some(Segment { length: sign * rest, ..*segment });
         full.chain(last)
     })
 }
