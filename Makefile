@@ -60,6 +60,11 @@ bench-peers: ## plan every instance in DIR, one CSV row each in out/bench-peers.
 	.ci/bench-peers "$(DIR)" --out out/bench-peers.csv
 	$(if $(PEERS),.ci/compare-peers out/bench-peers.csv "$(PEERS)")
 
+.PHONY: growth
+growth: install $(VENV)/tests-ready ## plot planning time and memory against the number of agents, into out/growth
+	cargo build --release --locked --workspace
+	$(VENV)/bin/python .ci/growth --out out/growth
+
 .PHONY: results
 results: ## run the published experiments, write their report and its summary
 	cargo build --release --locked --workspace

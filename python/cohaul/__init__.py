@@ -25,6 +25,7 @@ from cohaul.errors import (
     ControlError,
     ExperimentError,
     FileError,
+    InstanceError,
     MissingFileError,
     MissingPackageError,
     PlanError,
@@ -38,6 +39,7 @@ from cohaul.experiments import experiments, reproduce
 from cohaul.log import Difference, Recovered, Replayed, compare, recover, replay
 from cohaul.mission import Outcome, Phase, Primitive, Role, Traces, check, run, schema
 from cohaul.planner import Capacity, TeamCapacity, capacity
+from cohaul.planning import Plan, Reason, Violation, certify, generate, plan
 
 if TYPE_CHECKING:
     from cohaul import plot
@@ -51,14 +53,17 @@ __all__ = [
     "Difference",
     "ExperimentError",
     "FileError",
+    "InstanceError",
     "LimitSurface",
     "MissingFileError",
     "MissingPackageError",
     "Outcome",
     "Phase",
+    "Plan",
     "PlanError",
     "PlotError",
     "Primitive",
+    "Reason",
     "RecordError",
     "Recovered",
     "Replayed",
@@ -68,13 +73,17 @@ __all__ = [
     "SimError",
     "TeamCapacity",
     "Traces",
+    "Violation",
     "__revision__",
     "__version__",
     "capacity",
+    "certify",
     "check",
     "compare",
     "experiments",
     "flow",
+    "generate",
+    "plan",
     "plot",
     "recover",
     "replay",

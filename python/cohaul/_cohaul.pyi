@@ -2,7 +2,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from numpy import float64
+from numpy import float64, int64
 from numpy.typing import ArrayLike, NDArray
 
 from cohaul.errors import ScenarioWarning
@@ -138,3 +138,93 @@ class LimitSurface:
         """Friction power per unit of limit force [m/s] at `twist` (3,) [m/s, m/s, rad/s]."""
     def friction_radius(self) -> float:
         """Largest torque over largest force [m]."""
+
+def generate_instance(
+    kind: str, agents: int, size: int | None, obstacles: int | None, window: int, seed: int
+) -> str:
+    """The text of the instance of `kind` that a seed gives."""
+
+class Instance:
+    """A planning instance."""
+
+    @staticmethod
+    def read(
+        path: str | PathLike[str],
+        text: str | None,
+        map: str | PathLike[str] | None,
+        vehicle: str | PathLike[str] | None,
+        agents: int | None,
+        starts: str,
+    ) -> Instance:
+        """Reads the file at `path`, or `text` in its place; `starts` is `checked` or `free`."""
+    @property
+    def agents(self) -> int:
+        """How many agents there are."""
+    def plan(
+        self,
+        planner: str | None,
+        bound: float | None,
+        model: str,
+        batch: int | None,
+        metric: str,
+        timeout: float,
+    ) -> Planned:
+        """Plans without holding the interpreter, until `timeout` seconds of CPU time are spent."""
+    def certify(self, path: str | PathLike[str], text: str | None, model: str) -> str:
+        """What is wrong with the plan in the file at `path`, or with `text` in its place: a JSON list."""
+
+class Planned:
+    """What came of planning an instance."""
+
+    @property
+    def title(self) -> str:
+        """What the file of the instance is called."""
+    @property
+    def planner(self) -> str:
+        """The search."""
+    def json(self) -> str:
+        """The outcome with its numbers, as a JSON object."""
+    def rows(self) -> list[tuple[str, str]]:
+        """Label and value of every row of the table of results."""
+    def cells(self) -> list[tuple[str, int | None, NDArray[int64]]] | None:
+        """Cells (T, 2) of every agent with its name and the index of its goal; nothing for bodies that drive."""
+    def poses(self) -> list[tuple[str, int | None, NDArray[float64]]] | None:
+        """Poses (T, 3) of every agent with its name and the index of its goal; nothing for agents on grids."""
+    def text(self) -> str:
+        """The plan in the layout of libMultiRobotPlanning; yaws turn as in the instance's file."""
+    def html(self) -> str:
+        """The page that plays it."""
+    def picture(self) -> str:
+        """The picture, SVG."""
+    def certify(self, model: str, instance: Instance | None) -> str:
+        """What is wrong with it: a JSON list; against its own instance unless another one is given."""
+
+def reeds_shepp_curve(start: list[float], goal: list[float], radius: float) -> ShortestCurve:
+    """The shortest curve of a car that drives both ways."""
+
+def dubins_curve(start: list[float], goal: list[float], radius: float) -> ShortestCurve:
+    """The shortest curve of a car that drives forwards."""
+
+class ShortestCurve:
+    """A shortest curve from one pose to another."""
+
+    @property
+    def length(self) -> float:
+        """Its length, m."""
+    @property
+    def segments(self) -> list[tuple[str, float]]:
+        """Which way it steers and how far, m, negative backwards, piece by piece."""
+    def sample(self, spacing: float) -> NDArray[float64]:
+        """Poses (n, 3) along it, at most `spacing` apart, with both ends of every piece."""
+
+def optimal_assignment(values: ArrayLike) -> tuple[list[int | None], float]:
+    """The cheapest assignment."""
+
+class Assignments:
+    """The assignments in the order of their cost."""
+
+    @staticmethod
+    def under(values: ArrayLike) -> Assignments:
+        """Those under costs (agents, goals)."""
+    def following(self) -> tuple[list[int | None], float] | None:
+        """The goals of all agents and the sum of the costs; nothing after the last assignment."""

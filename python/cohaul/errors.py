@@ -9,6 +9,7 @@ __all__ = [
     "ControlError",
     "ExperimentError",
     "FileError",
+    "InstanceError",
     "MissingFileError",
     "MissingPackageError",
     "PlanError",
@@ -89,8 +90,12 @@ class ExperimentError(CohaulError, ValueError):
     """There is no such experiment, or its folder holds trials of another one."""
 
 
+class InstanceError(_Located, CohaulError, ValueError):
+    """A planning instance or a plan is refused: not of a known format, or a value that makes no sense."""
+
+
 class PlanError(CohaulError, ValueError):
-    """Slots that cannot be chosen, or a team that cannot form anew."""
+    """Slots that cannot be chosen, a team that cannot form anew, or planning asked for what it cannot do."""
 
 
 class SimError(CohaulError):

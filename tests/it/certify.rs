@@ -25,7 +25,7 @@ fn corridor() -> (GridInstance, GridPlan) {
         blocked[cell] = true;
     }
     let agents = vec![agent("a", cell(0, 0), cell(3, 0)), agent("b", cell(3, 0), cell(0, 0))];
-    let instance = GridInstance { width: 4, height: 2, blocked, agents, assignment: false, free_starts: false };
+    let instance = GridInstance { width: 4, height: 2, blocked, agents, assignment: false };
     let route = |name: &str, states: &[(i32, i32)]| Route {
         name: name.into(),
         goal: Some(0),
@@ -165,8 +165,7 @@ fn however_much_is_wrong_the_report_is_short() {
     let agent = |k: usize| GridAgent { name: k.to_string(), start: cell(0, 0), goals: vec![cell(0, 0)] };
     let route = |k: usize| Route { name: k.to_string(), goal: Some(0), states: vec![cell(0, 0); 1000] };
     let agents = (0..1000).map(agent).collect();
-    let instance =
-        GridInstance { width: 1, height: 1, blocked: vec![false], agents, assignment: false, free_starts: false };
+    let instance = GridInstance { width: 1, height: 1, blocked: vec![false], agents, assignment: false };
     let plan = GridPlan { routes: (0..1000).map(route).collect(), claims: Claims::default() };
     assert_eq!(certify::grid(&instance, &plan).len(), VIOLATIONS_MAX);
 }

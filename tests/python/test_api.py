@@ -477,6 +477,11 @@ except cohaul.ScenarioError as error:
     line: int | None = error.line
 replayed = cohaul.replay("x.mcap")
 robot: int | None = replayed.first_difference.robot if replayed.first_difference else None
+plan = cohaul.plan(Path("cars.yaml"), bound=2, model="exact", agents=3)
+states: dict[str, NDArray[np.float64]] = plan.routes
+wrong: list[cohaul.Violation] = cohaul.certify("plan.yaml", "cars.yaml") + cohaul.certify(plan)
+blamed: tuple[str, ...] = plan.reasons[0].agents
+poses: NDArray[np.float64] = cohaul.planning.dubins((0, 0, 0), [1, 1, 0], radius=1).sample(0.1)
 cohaul.run("flat.yaml", 7)  # type: ignore[call-arg]
 cohaul.LimitSurface.rectangle(along_x=1, along_y=2, model="box")  # type: ignore[arg-type]
 """

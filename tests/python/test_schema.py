@@ -8,7 +8,8 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-SCENARIOS = sorted((ROOT / "scenarios").glob("**/*.yaml"))
+# the files in planner/ are planning instances, in formats of their own
+SCENARIOS = sorted(path for path in (ROOT / "scenarios").glob("**/*.yaml") if path.parent.name != "planner")
 # each breaks a rule that the schema knows: type, range, name or required key
 BAD = [
     "dropout_above_one",

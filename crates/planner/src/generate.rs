@@ -12,7 +12,9 @@
 //!
 //! # Deviations
 //! A tenth of that benchmark's files with obstacles has a start or a goal inside an obstacle grown by its radius; here every
-//! start and goal is clear of them.
+//! start and goal is clear of them. Bodies that only drive forwards stand further from the border and have a free
+//! lane ahead of their starts and behind their goals, for one that faces something close could not turn away; that leaves some
+//! that cannot reach their goals all the same.
 
 use std::ops::RangeInclusive;
 
@@ -21,7 +23,7 @@ use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::instance::{CarAgent, CarInstance, Cell, GridAgent, GridInstance, Obstacle, Vehicle, VehicleError};
+use crate::instance::{CarAgent, CarInstance, Cell, Drive, GridAgent, GridInstance, Obstacle, Vehicle, VehicleError};
 
 /// Which goals an agent may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,6 +90,22 @@ impl CarShape {
             _ => 10.04,
         };
         self.vehicle.separation().max(usual)
+    }
+
+    /// How far ahead of starts and behind goals no obstacle lies, m.
+    fn lane(&self) -> f64 {
+        match self.vehicle.drive {
+            Drive::ForwardCar => 2.0 * self.vehicle.turning_radius,
+            Drive::Car | Drive::Differential => 0.0,
+        }
+    }
+
+    /// Least distance of starts and goals from the border, whole metres.
+    fn border(&self) -> i32 {
+        match self.vehicle.drive {
+            Drive::ForwardCar => BORDER.max((self.vehicle.turning_radius + FORWARD_ROOM).ceil() as i32),
+            Drive::Car | Drive::Differential => BORDER,
+        }
     }
 }
 
@@ -236,6 +254,8 @@ fn largest_part(blocked: &[bool], width: usize) -> Vec<usize> {
 const YAWS: [f64; 4] = [0.0, -1.57, 1.57, -3.14];
 /// Least distance from the border, m.
 const BORDER: i32 = 2;
+/// What a body that only drives forwards needs beyond its turning radius to get away from the border, m.
+const FORWARD_ROOM: f64 = 1.0;
 /// Least distance of two obstacles, and of an obstacle from starts and goals, m.
 const APART: f64 = 1.0;
 const CLEAR: f64 = 2.75;
@@ -278,10 +298,14 @@ fn places(shape: &CarShape, random: &mut Random) -> Option<(Vec<Pose2>, Vec<Pose
     const TRIES: u32 = 20_000;
     let side = f64::from(shape.size);
     let separation = shape.separation();
+    let border = shape.border();
+    if 2 * border > shape.size {
+        return None;
+    }
     let mut taken: Vec<Point2<f64>> = Vec::with_capacity(2 * shape.agents);
     for number in 0..2 * shape.agents {
         let place = (0..TRIES).find_map(|_| {
-            let mut draw = || f64::from(BORDER) + random.below((shape.size - 2 * BORDER + 1) as usize) as f64;
+            let mut draw = || f64::from(border) + random.below((shape.size - 2 * border + 1) as usize) as f64;
             let at = Point2::new(draw(), draw());
             let far = |other: &Point2<f64>| (at - other).norm() >= separation;
             let own_way = number.checked_sub(shape.agents).is_none_or(|agent| {
@@ -301,17 +325,21 @@ fn places(shape: &CarShape, random: &mut Random) -> Option<(Vec<Pose2>, Vec<Pose
 fn obstacles(shape: &CarShape, random: &mut Random, starts: &[Pose2], ends: &[Pose2]) -> Option<Vec<Point2<f64>>> {
     const TRIES: u32 = 2_000;
     let (side, radius, vehicle) = (f64::from(shape.size), shape.obstacle_radius, &shape.vehicle);
+    let lane = shape.lane();
     let mut points: Vec<Point2<f64>> = Vec::with_capacity(shape.obstacles);
     for _ in 0..shape.obstacles {
         let place = (0..TRIES).find_map(|_| {
             let at = Point2::new(random.unit() * side, random.unit() * side);
-            let clear = |pose: &Pose2| {
+            // `ahead` and `behind` are what is needed beyond the body's own length
+            let clear = |pose: &Pose2, ahead: f64, behind: f64| {
                 let seen = pose.inverse_transform_point(&at);
-                let in_length = (-vehicle.rear - radius..=vehicle.front + radius).contains(&seen.x);
+                let in_length = (-vehicle.rear - radius - behind..=vehicle.front + radius + ahead).contains(&seen.x);
                 seen.coords.norm() >= CLEAR && !(in_length && seen.y.abs() <= vehicle.width / 2.0 + radius)
             };
             let apart = |other: &Point2<f64>| (at - other).norm() >= APART;
-            (points.iter().all(apart) && starts.iter().chain(ends).all(clear)).then_some(at)
+            let off_starts = || starts.iter().all(|pose| clear(pose, lane, 0.0));
+            let off_ends = || ends.iter().all(|pose| clear(pose, 0.0, lane));
+            (points.iter().all(apart) && off_starts() && off_ends()).then_some(at)
         })?;
         points.push(place);
     }

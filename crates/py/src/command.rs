@@ -1,12 +1,18 @@
 //! The command, and Ctrl-C while the interpreter waits.
 
+use std::cell::RefCell;
+
 use cohaul_sim::cli;
 use pyo3::prelude::*;
 
 /// Runs the command line `argv`, the program's name first, and returns its exit status.
 #[pyfunction]
 pub fn cli_main(py: Python<'_>, argv: Vec<String>) -> i32 {
-    py.detach(|| cli::main(argv, &|| check_signals().is_err()))
+    // a command asks again and again; one that was told once must be told the same at its end
+    py.detach(|| {
+        let signals = RefCell::new(Signals::default());
+        cli::main(argv, &|| signals.borrow_mut().are_raised())
+    })
 }
 
 #[expect(clippy::redundant_closure_for_method_calls, reason = "the method itself does not fit every lifetime")]

@@ -112,7 +112,7 @@ pub fn layout<'py>(py: Python<'py>, scenario: &Scenario) -> PyResult<Layout<'py>
 }
 
 /// Values in the order of rows as a read-only array that owns them.
-fn column<'py, T, S, const N: usize>(
+pub fn column<'py, T, S, const N: usize>(
     py: Python<'py>,
     shape: S,
     values: impl Iterator<Item = T>,

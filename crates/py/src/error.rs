@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use cohaul_core::geometry::shape::ShapeError;
 use cohaul_core::record::RecordError;
 use cohaul_core::scenario::{ScenarioError, Warning};
+use cohaul_planner::io::FormatError;
 use cohaul_sim::compare::CompareError;
 use cohaul_sim::error::{SimError, chain};
 use cohaul_sim::experiment::trials::TrialError;
@@ -18,6 +19,7 @@ mod python {
     pyo3::import_exception!(cohaul.errors, ControlError);
     pyo3::import_exception!(cohaul.errors, ExperimentError);
     pyo3::import_exception!(cohaul.errors, FileError);
+    pyo3::import_exception!(cohaul.errors, InstanceError);
     pyo3::import_exception!(cohaul.errors, MissingFileError);
     pyo3::import_exception!(cohaul.errors, PlanError);
     pyo3::import_exception!(cohaul.errors, RecordError);
@@ -43,6 +45,18 @@ pub fn warning(warning: &Warning) -> PyErr {
     python::ScenarioWarning::new_err(place!(warning))
 }
 
+/// A planning instance or a plan that is refused.
+fn instance(error: &FormatError) -> PyErr {
+    let (text, message) = (error.to_string(), error.message());
+    let file = error.file().to_owned();
+    python::InstanceError::new_err((text, message, file, error.line(), error.column(), error.remedy()))
+}
+
+/// A value that planning cannot take.
+pub fn plan(message: String) -> PyErr {
+    python::PlanError::new_err(message)
+}
+
 /// A value or an array that the contact model cannot take.
 pub fn contact(message: String) -> PyErr {
     python::ContactError::new_err(message)
@@ -56,9 +70,12 @@ pub fn file(error: FileError) -> PyErr {
     match error {
         FileError::Scenario(error) => scenario(&error),
         FileError::Sim(error) => sim(&error),
-        FileError::Formation(_) | FileError::LoadPath(_) | FileError::Capacity(_) | FileError::Reform(_) => {
-            python::PlanError::new_err(chain(&error))
-        }
+        FileError::Format(error) => instance(&error),
+        FileError::Formation(_)
+        | FileError::LoadPath(_)
+        | FileError::Capacity(_)
+        | FileError::Reform(_)
+        | FileError::Generate(_) => python::PlanError::new_err(chain(&error)),
         FileError::Io { source, path, .. } if source.kind() == ErrorKind::NotFound => {
             python::MissingFileError::new_err((source.raw_os_error(), reason(&source), path.into_os_string()))
         }

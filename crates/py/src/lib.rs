@@ -4,11 +4,13 @@
 mod command;
 mod contact;
 mod convert;
+mod curve;
 mod error;
 mod experiment;
 mod flow;
 mod log;
 mod mission;
+mod planning;
 
 /// What the Python package `cohaul` is made of. Import `cohaul` instead.
 #[pyo3::pymodule]
@@ -23,6 +25,8 @@ mod _cohaul {
     #[pymodule_export]
     use crate::contact::LimitSurface;
     #[pymodule_export]
+    use crate::curve::{Assignments, ShortestCurve, dubins_curve, optimal_assignment, reeds_shepp_curve};
+    #[pymodule_export]
     use crate::experiment::{experiments, reproduce};
     #[pymodule_export]
     use crate::flow::flow;
@@ -30,4 +34,6 @@ mod _cohaul {
     use crate::log::{Recording, compare, recover, replay};
     #[pymodule_export]
     use crate::mission::{Mission, Scenario, schema};
+    #[pymodule_export]
+    use crate::planning::{Instance, Planned, generate_instance};
 }

@@ -116,11 +116,19 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     })
 }
 
-/// Writes a file.
+/// Whether there is something at `path`.
+pub fn exists(path: &Path) -> bool {
+    path.exists()
+}
+
+/// Writes a file; makes its folder where there is none.
 ///
 /// # Errors
 /// One that cannot be written.
 pub fn write_text(path: &Path, text: &str) -> Result<(), FileError> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        create_folder(folder)?;
+    }
     write(path, text)
 }
 

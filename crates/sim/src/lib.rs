@@ -8,6 +8,7 @@ pub mod episode;
 pub mod error;
 pub mod experiment;
 pub mod files;
+mod memory;
 pub mod mission;
 pub mod outcome;
 pub mod page;

@@ -1,5 +1,8 @@
 //! Planning problems from files: read, solved within a deadline, explained by the names of the agents.
 
+pub mod generate;
+pub mod report;
+
 use std::path::{Path, PathBuf};
 
 use cohaul_core::se2;
@@ -12,6 +15,7 @@ use cohaul_planner::search::Budget;
 use cohaul_planner::{car, grid};
 
 use crate::files::{self, FileError};
+use crate::memory;
 use crate::page;
 use crate::stopwatch::Stopwatch;
 
@@ -74,25 +78,40 @@ pub struct Source {
 /// # Errors
 /// Files that cannot be read, or what is wrong with them.
 pub fn read(path: &Path, source: &Source) -> Result<Document, FileError> {
-    let text = files::read_text(path)?;
+    parse(&files::read_text(path)?, path, source)
+}
+
+/// Reads the instance in `text` as if it came from `path`.
+///
+/// # Errors
+/// What is wrong with it, or files that belong to it and cannot be read.
+pub fn parse(text: &str, path: &Path, source: &Source) -> Result<Document, FileError> {
     let name = path.display().to_string();
     if !text.starts_with("version ") {
         let config = source.vehicle.as_deref().map(read_vehicle).transpose()?;
-        let mut document = io::read_document(&text, &name, &io::Options { config, agents: source.agents })?;
+        let mut document = io::read_document(text, &name, &io::Options { config, agents: source.agents })?;
         if let Instance::Car(car) = &mut document.instance {
             car.free_starts = source.free_starts;
         }
         return Ok(document);
     }
     // only the last part of the name: the others are folders of whoever made the scenario
-    let named = || movingai::map_name(&text).and_then(|map| map.rsplit(['/', '\\']).next());
+    let named = || movingai::map_name(text).and_then(|map| map.rsplit(['/', '\\']).next());
     let map = source.map.clone().unwrap_or_else(|| path.with_file_name(named().unwrap_or("map")));
     let map_text = files::read_text(&map)?;
     let map_name = map.display().to_string();
     let map = movingai::Text { name: &map_name, text: &map_text };
-    let scenario = movingai::Text { name: &name, text: &text };
+    let scenario = movingai::Text { name: &name, text };
     let instance = Instance::Grid(movingai::read(map, scenario, source.agents)?);
     Ok(Document { instance, heading: Heading::default() })
+}
+
+/// Whether the file in `path` is the scenario of a mission.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn is_mission(path: &Path) -> Result<bool, FileError> {
+    Ok(files::read_text(path)?.lines().any(|line| line.starts_with("format:")))
 }
 
 fn read_vehicle(path: &Path) -> Result<io::Config, FileError> {
@@ -115,12 +134,18 @@ impl AnyPlan {
     /// # Errors
     /// A file that cannot be read, or what is wrong with it.
     pub fn read(path: &Path, document: &Document) -> Result<Self, FileError> {
-        let text = files::read_text(path)?;
-        let name = path.display().to_string();
+        Ok(Self::parse(&files::read_text(path)?, &path.display().to_string(), document)?)
+    }
+
+    /// Reads the plan in `text`, which comes from the file `name`, for an instance.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str, name: &str, document: &Document) -> Result<Self, FormatError> {
         match &document.instance {
-            Instance::Grid(grid) => Ok(Self::Grid(schedule::read_grid(&text, &name, grid)?)),
-            Instance::Car(car) => Ok(Self::Car(schedule::read_car(&text, &name, car, document.heading)?)),
-            _ => Err(unknown(&name).into()),
+            Instance::Grid(grid) => Ok(Self::Grid(schedule::read_grid(text, name, grid)?)),
+            Instance::Car(car) => Ok(Self::Car(schedule::read_car(text, name, car, document.heading)?)),
+            _ => Err(unknown(name)),
         }
     }
 
@@ -150,14 +175,22 @@ impl AnyPlan {
 
     /// A page that plays it, with what is wrong with it.
     pub fn page(&self, title: &str, instance: &Instance, violations: &[Violation]) -> String {
+        let planned = self.planned(instance);
+        planned.map(|planned| page::plan_page(title, planned, violations)).unwrap_or_default()
+    }
+
+    /// A picture of it, SVG, with what is wrong with it.
+    pub fn picture(&self, title: &str, instance: &Instance, violations: &[Violation]) -> String {
+        let planned = self.planned(instance);
+        planned.map(|planned| page::plan_picture(title, planned, violations)).unwrap_or_default()
+    }
+
+    /// It with its instance; nothing for an instance of another kind.
+    const fn planned<'a>(&'a self, instance: &'a Instance) -> Option<page::Planned<'a>> {
         match (self, instance) {
-            (Self::Grid(plan), Instance::Grid(instance)) => {
-                page::plan_page(title, page::Planned::Grid(instance, plan), violations)
-            }
-            (Self::Car(plan), Instance::Car(instance)) => {
-                page::plan_page(title, page::Planned::Car(instance, plan), violations)
-            }
-            _ => String::new(),
+            (Self::Grid(plan), Instance::Grid(instance)) => Some(page::Planned::Grid(instance, plan)),
+            (Self::Car(plan), Instance::Car(instance)) => Some(page::Planned::Car(instance, plan)),
+            _ => None,
         }
     }
 
@@ -174,6 +207,11 @@ fn unknown(name: &str) -> FormatError {
     let found = "this is an instance of a kind that is not known here";
     FormatError::new(name, 1, 1, io::FormatProblem::OtherKind { found, remedy: "give a grid, or cars" })
 }
+
+/// CPU time, s, that it takes to give back a byte of a search's memory, measured: the deadline includes that.
+const GIVING_BACK: f64 = 0.4e-9;
+/// Memory, bytes, beyond which a search gives up.
+pub const MOST_MEMORY: f64 = 4.0 * 1024.0 * 1024.0 * 1024.0;
 
 /// The usual bound on grids.
 pub const GRID_BOUND: f64 = 1.3;
@@ -215,7 +253,11 @@ pub fn solve(
     interrupted: &dyn Fn() -> bool,
 ) -> Option<Answer> {
     let own = Stopwatch::start();
-    let stop = || interrupted() || watch.seconds().0 >= request.timeout;
+    let held = memory::resident();
+    let stop = || {
+        let grown = memory::resident() - held;
+        interrupted() || watch.seconds().0 + GIVING_BACK * grown >= request.timeout || grown > MOST_MEMORY
+    };
     let budget = Budget::new(u64::MAX, &stop);
     let (outcome, effort) = match (instance, request.planner) {
         (Instance::Grid(instance), Planner::Grid(planner)) => {

@@ -10,6 +10,8 @@
 //!   places are, they collide: no plan is lost.
 //! - Lower bounds are those of the search space, which is: whole steps and waits, then one curve. They come from a search
 //!   whose heuristic is never too much and which merges only states that are the same.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 use std::collections::BTreeMap;
 
@@ -122,6 +124,7 @@ impl Domain for Cars<'_> {
                 field: self.field,
                 traffic: &traffic,
                 weights,
+                prices: &self.field.prices,
                 start,
                 goal,
                 rules: &rules,

@@ -1,9 +1,11 @@
 //! Shortest curves of a car that only drives forwards, no tighter than its turning radius, among no obstacles.
 //!
 //! # Source
-//! [Dubins 1957] "On curves of minimal length with a constraint on average curvature", Amer. J. Math. 79(3): six words,
+//! [Dubins1957]: six words,
 //! four of two arcs with a straight line between, two of three arcs. The lengths are those of the tangents between the
 //! turning circles.
+//!
+//! [Dubins1957]: cohaul_core::_documentation::references
 
 use std::f64::consts::TAU;
 

@@ -78,6 +78,11 @@ pub(super) enum Blocked {
     By(usize),
 }
 
+impl Prices {
+    /// What counts is length alone.
+    pub(super) const LENGTH: Self = Self { turning: 1.0, reversing: 1.0, switching: 1.0 };
+}
+
 impl Field {
     pub(super) fn new(instance: &CarInstance, model: Model) -> Self {
         let vehicle = &instance.vehicle;
@@ -277,24 +282,24 @@ impl Field {
 
     /// Cost of `step` after one in `gear` (1 forwards, −1 backwards, 0 none yet), and the gear after it.
     #[inline]
-    pub(super) fn cost(&self, gear: i8, step: Segment) -> (f64, i8) {
+    pub(super) fn cost(&self, prices: &Prices, gear: i8, step: Segment) -> (f64, i8) {
         let length = step.length.abs();
         if length == 0.0 {
             return (self.step, gear);
         }
         match step.steer {
-            Steer::Spin => (length * self.prices.turning, gear),
+            Steer::Spin => (length * prices.turning, gear),
             steer => {
                 let mut cost = length;
                 if steer != Steer::Straight {
-                    cost *= self.prices.turning;
+                    cost *= prices.turning;
                 }
                 let now = if step.length < 0.0 { -1 } else { 1 };
                 if now < 0 {
-                    cost *= self.prices.reversing;
+                    cost *= prices.reversing;
                 }
                 if gear != 0 && gear != now {
-                    cost *= self.prices.switching;
+                    cost *= prices.switching;
                 }
                 (cost, now)
             }
@@ -303,27 +308,27 @@ impl Field {
 
     /// Cost of a piece of a curve, a turn or straight, after a step in `gear`: whole steps and a shorter last one.
     #[inline]
-    pub(super) fn segment_cost(&self, gear: i8, length: f64, turns: bool) -> f64 {
+    pub(super) fn segment_cost(&self, prices: &Prices, gear: i8, length: f64, turns: bool) -> f64 {
         let size = length.abs();
-        let mut rate = if turns { self.prices.turning } else { 1.0 };
+        let mut rate = if turns { prices.turning } else { 1.0 };
         let mut cost = size;
         if length < 0.0 {
-            rate *= self.prices.reversing;
+            rate *= prices.reversing;
         }
         if gear != 0 && (gear < 0) != (length < 0.0) {
-            cost += (self.prices.switching - 1.0) * size.min(self.step);
+            cost += (prices.switching - 1.0) * size.min(self.step);
         }
         rate * cost
     }
 
     /// Cost of a whole curve after a step in `gear`.
-    pub(super) fn curve_cost(&self, mut gear: i8, curve: &Curve) -> f64 {
+    pub(super) fn curve_cost(&self, prices: &Prices, mut gear: i8, curve: &Curve) -> f64 {
         let mut cost = 0.0;
         for segment in curve.segments() {
             if segment.steer == Steer::Spin {
-                cost += segment.length.abs() * self.prices.turning;
+                cost += segment.length.abs() * prices.turning;
             } else {
-                cost += self.segment_cost(gear, segment.length, segment.steer != Steer::Straight);
+                cost += self.segment_cost(prices, gear, segment.length, segment.steer != Steer::Straight);
                 gear = if segment.length < 0.0 { -1 } else { 1 };
             }
         }

@@ -1,17 +1,20 @@
 //! Ways for all bodies, fast: everyone's own best way first, then conflicts are negotiated, then the whole is improved.
 //!
 //! # Source
-//! Negotiation: [PathFinder] — meeting others costs little at first and more in every round, so that whoever can avoid a
-//! crowded place cheaply does. Repair and improvement by replanning few bodies at a time: [MAPF-LNS2].
+//! Negotiation: [McMurchie1995] — meeting others costs little at first and more in every round, so that whoever can avoid a
+//! crowded place cheaply does. Repair and improvement by replanning few bodies at a time: [Li2022].
 //!
 //! # Deviations
 //! - Rounds are counted, not timed: the same instance gives the same plan.
 //! - Neighbourhoods are a body and those that keep it from its own best way; nothing is drawn at random.
+//!
+//! [Li2022]: cohaul_core::_documentation::references
+//! [McMurchie1995]: cohaul_core::_documentation::references
 
 use std::sync::Arc;
 
 use super::curve::Place;
-use super::field::Field;
+use super::field::{Field, Prices};
 use super::hybrid_astar::{Ask, Care, HybridAstar};
 use super::reach;
 use super::traffic::Traffic;
@@ -20,17 +23,13 @@ use crate::outcome::Effort;
 use crate::search::{Budget, Spent};
 
 /// States that one search may expand while conflicts are negotiated.
-const LIMIT: u64 = 4_000;
+pub(super) const LIMIT: u64 = 4_000;
 /// Most rounds of negotiation, which ends sooner where it gets no further, then of repair around single conflicts.
 const ROUNDS: usize = 12;
 const REPAIRS: usize = 2_000;
 /// Factors on what lies ahead in negotiation and in improvement: greedy searches find detours sooner.
 const GREED: f64 = 1.5;
-const GREED_LATE: f64 = 1.5;
-/// States that improvement may expand, per body.
-const IMPROVEMENT: u64 = 200;
-/// Excess over the own best way that is not worth an attempt at improvement, in steps.
-const WORTHWHILE: f64 = 1.0;
+pub(super) const GREED_LATE: f64 = 1.5;
 /// What the first meetings cost, in steps, and by how much it grows each round.
 const FIRST_WEIGHT: f64 = 1.0;
 const GROWTH: f64 = 1.3;
@@ -47,15 +46,17 @@ pub(super) struct Task {
 
 /// The planner of a whole fleet and its memory.
 pub(super) struct Fleet<'a> {
-    field: &'a Field,
-    tasks: &'a [Task],
-    search: HybridAstar,
-    traffic: Traffic,
-    weights: Vec<f64>,
+    pub(super) field: &'a Field,
+    pub(super) tasks: &'a [Task],
+    pub(super) search: HybridAstar,
+    pub(super) traffic: Traffic,
+    pub(super) weights: Vec<f64>,
+    /// What searches go by at present.
+    pub(super) prices: Prices,
     /// Into how many steps are divided, by body.
-    fineness: Vec<u32>,
+    pub(super) fineness: Vec<u32>,
     /// Everyone's best way with nobody else there.
-    alone: Vec<Arc<Way>>,
+    pub(super) alone: Vec<Arc<Way>>,
     pub(super) effort: Effort,
 }
 
@@ -69,6 +70,7 @@ impl<'a> Fleet<'a> {
             search: HybridAstar::new(),
             traffic: Traffic::new(bodies),
             weights: vec![0.0; bodies],
+            prices: field.prices,
             fineness: vec![1; bodies],
             alone: Vec::with_capacity(bodies),
             effort: Effort::default(),
@@ -95,7 +97,7 @@ impl<'a> Fleet<'a> {
     }
 
     /// Plans `body` anew where meeting others costs `self.weights`; whether a way was found.
-    fn replan(
+    pub(super) fn replan(
         &mut self,
         body: usize,
         ratio: f64,
@@ -110,6 +112,7 @@ impl<'a> Fleet<'a> {
             field: self.field,
             traffic: &self.traffic,
             weights: &self.weights,
+            prices: &self.prices,
             start: task.start,
             goal: task.goal,
             rules: &[],
@@ -271,66 +274,6 @@ impl<'a> Fleet<'a> {
             }
         }
         Ok(pairs.is_empty())
-    }
-
-    /// Improves ways that do not meet, `rounds` times over all bodies.
-    pub(super) fn improve(&mut self, rounds: usize, budget: &Budget<'_>) -> Result<(), Spent> {
-        let bodies = self.tasks.len();
-        self.weights.fill(f64::INFINITY);
-        let most = self.effort.low_level_expanded + IMPROVEMENT * bodies as u64;
-        for _ in 0..rounds {
-            let mut order: Vec<usize> = (0..bodies).collect();
-            let excess = |fleet: &Self, body: usize| {
-                fleet.traffic.way(body).map_or(0.0, |way| way.cost) - fleet.alone[body].cost
-            };
-            order.sort_by(|a, b| excess(self, *b).total_cmp(&excess(self, *a)).then(a.cmp(b)));
-            let mut better = false;
-            for body in order {
-                if self.effort.low_level_expanded > most {
-                    return Ok(());
-                }
-                if excess(self, body) < WORTHWHILE * self.field.step {
-                    continue;
-                }
-                let blockers = self.traffic.met(self.field, body, &self.alone[body]);
-                better |= self.exchange(body, &blockers, budget)?;
-            }
-            if !better {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Lets `body` plan as if `blockers` were not there, then these around it; keeps the result if it costs less in all.
-    fn exchange(&mut self, body: usize, blockers: &[usize], budget: &Budget<'_>) -> Result<bool, Spent> {
-        let mut group = vec![body];
-        group.extend(blockers.iter().take(5));
-        let old: Vec<Option<Arc<Way>>> = group.iter().map(|member| self.traffic.way(*member).cloned()).collect();
-        let before: f64 = old.iter().flatten().map(|way| way.cost).sum();
-        for member in &group {
-            self.traffic.set(*member, None);
-        }
-        let mut after = 0.0;
-        let mut least: f64 = group.iter().map(|member| self.alone[*member].cost).sum();
-        for member in &group {
-            least -= self.alone[*member].cost;
-            let below = before - after - least - 1e-6;
-            let found = self.replan(*member, GREED_LATE, LIMIT, below, budget);
-            match found {
-                Ok(Some((way, _))) => {
-                    after += way.cost;
-                    self.traffic.set(*member, Some(Arc::new(way)));
-                }
-                failed => {
-                    for (member, way) in group.iter().zip(old) {
-                        self.traffic.set(*member, way);
-                    }
-                    return failed.map(|_| false);
-                }
-            }
-        }
-        Ok(true)
     }
 
     /// The ways as they are.

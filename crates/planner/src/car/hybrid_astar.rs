@@ -11,6 +11,8 @@
 //! - After the last motion of the others time is no longer told apart, so that the search space is finite.
 //! - Meeting others costs what the caller says, which may be infinite.
 //! - Heuristics of new states are their parent's less the step, made exact when they come to be expanded.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,7 +20,7 @@ use std::f64::consts::TAU;
 
 use super::body::during;
 use super::curve::{Curve, Place, Segment, Steer, wrap};
-use super::field::Field;
+use super::field::{Field, Prices};
 use super::steering;
 use super::table::Table;
 use super::traffic::Traffic;
@@ -45,6 +47,7 @@ pub(super) struct Ask<'a> {
     pub(super) traffic: &'a Traffic,
     /// What a step costs in which one is in the way of a body, by body; 0 for the one that is planned.
     pub(super) weights: &'a [f64],
+    pub(super) prices: &'a Prices,
     pub(super) start: Place,
     /// Where to; none: to any place where the body is not in the way.
     pub(super) goal: Option<Place>,
@@ -216,7 +219,7 @@ impl HybridAstar {
             if let Some(goal) = ask.goal
                 && node.curves == 0
             {
-                let list = steering::cheapest(field, node.gear, &node.place, &goal);
+                let list = steering::cheapest(field, ask.prices, node.gear, &node.place, &goal);
                 node.first = self.curves.len() as u32;
                 node.curves = list.as_slice().len() as u8;
                 self.curves.extend_from_slice(list.as_slice());
@@ -279,7 +282,7 @@ impl HybridAstar {
             }
             let step = Segment { steer: *steer, length: sign * length };
             let place = node.place.moved(step, (sign * sin, cos));
-            let (price, gear) = field.cost(node.gear, step);
+            let (price, gear) = field.cost(ask.prices, node.gear, step);
             let cost = node.cost + price;
             let ahead = ask.goal.map_or(0.0, |goal| (node.ahead - price).max(apart(&place, &goal)));
             if cost + ahead >= below || !field.is_free(&node.place, step, &place) || !keeps(ask, &node, step) {
@@ -413,7 +416,7 @@ fn follow(
         if !field.is_free(&at, step, &to) || !ask.rules.iter().all(|rule| rule.allows(&at, step, time as u32)) {
             return Ok(None);
         }
-        let (price, now) = field.cost(gear, step);
+        let (price, now) = field.cost(ask.prices, gear, step);
         cost += price + ask.traffic.weigh(field, ask.weights, &at, step, &to, time);
         if cost >= below {
             return Ok(None);

@@ -1,8 +1,7 @@
 //! Plans for bodies that drive: cars that turn on arcs, forwards only or both ways, and differential drives.
 //!
 //! # Source
-//! [CL-CBS] Wen, Liu & Li, "CL-MAPF: Multi-Agent Path Finding for Car-Like robots with kinematic and spatiotemporal
-//! constraints", Robotics and Autonomous Systems 150, 2022.
+//! [CL-CBS], sequential CL-CBS (`batch`).
 //!
 //! # Deviations
 //! - Bodies are planned fast first (`fleet.rs`): everyone's own best way, negotiation, repair, improvement. The conflict tree
@@ -12,6 +11,8 @@
 //!
 //! Costs are lengths with penalties; the lower bound is the sum of the shortest curves that the bodies can drive with
 //! nothing in their way, over the best assignment of goals.
+//!
+//! [CL-CBS]: cohaul_core::_documentation::references
 
 mod body;
 mod check;
@@ -23,6 +24,8 @@ mod fleet;
 mod flood;
 mod goals;
 mod hybrid_astar;
+mod improve;
+mod push;
 mod reach;
 pub mod reeds_shepp;
 mod steering;
@@ -43,6 +46,7 @@ use field::Field;
 use fleet::{Fleet, Task};
 pub use goals::Metric;
 use goals::Ranked;
+pub use push::{Push, push_costs};
 use way::Way;
 
 /// Assignments that are planned where goals are to be assigned; the cheapest plan is kept.
@@ -95,6 +99,15 @@ impl Draft {
     }
 }
 
+/// What the fast planner comes to.
+enum Drafted {
+    Ways(Vec<Arc<Way>>),
+    /// It finds no ways that do not meet.
+    Nothing,
+    /// The goal of this agent is out of reach even with nobody else there.
+    OutOfReach(usize),
+}
+
 /// What all steps of planning share.
 struct Planner<'a> {
     field: &'a Field,
@@ -134,7 +147,7 @@ impl Planner<'_> {
     fn run(&mut self, assign: bool, budget: &Budget<'_>) -> Result<Result<Draft, Vec<Reason>>, Spent> {
         let mut without = Vec::new();
         let mut reasons = Vec::new();
-        let mut most = 0;
+        let mut taken = 0;
         loop {
             let (field, checked, metric) = (self.field, self.checked, self.options.metric);
             let mut assignments = assignments(field, checked, assign.then_some(metric), &without, budget)?;
@@ -142,12 +155,12 @@ impl Planner<'_> {
                 reasons.push(Reason::Exhausted);
                 return Ok(Err(reasons));
             };
-            // as many goals are taken as somebody can stand in, or it is said why not
-            let taken = assigned.goals.iter().flatten().count();
-            most = most.max(taken);
-            if taken < most {
+            let now = assigned.goals.iter().flatten().count();
+            if now < taken {
+                // as many as could stand at goals do not reach them
                 return Ok(Err(reasons));
             }
+            taken = now;
             self.lower = self.bound_of(&assigned, budget)?;
             // in two steps the first assignment is the only one
             let given = metric == Metric::Manhattan && assign;
@@ -206,17 +219,18 @@ impl Planner<'_> {
                 .map(|agent| Task { start: self.checked.starts[agent], goal: self.goal(agent, assigned.goals[agent]) })
                 .collect();
             match self.draft(&tasks, budget) {
-                Ok(Ok(Some(ways))) => {
+                Ok(Drafted::Ways(ways)) => {
                     let draft = Draft { goals: assigned.goals, ways };
                     if best.as_ref().is_none_or(|best| draft.cost() < best.cost()) {
                         best = Some(draft);
                     }
                 }
-                Ok(Ok(None)) => {}
-                Ok(Err(agent)) => match (round, assigned.goals[agent]) {
-                    (0, Some(goal)) => return Ok(Err((agent, goal))),
-                    _ => {}
-                },
+                Ok(Drafted::Nothing) => {}
+                Ok(Drafted::OutOfReach(agent)) => {
+                    if let (0, Some(goal)) = (round, assigned.goals[agent]) {
+                        return Ok(Err((agent, goal)));
+                    }
+                }
                 // what was found before is a plan
                 Err(Spent) if best.is_some() => break,
                 Err(Spent) => return Err(Spent),
@@ -236,11 +250,11 @@ impl Planner<'_> {
         Ok(Ok(best))
     }
 
-    /// Ways for these tasks, nothing if the fast planner finds none; the agent whose goal is out of reach.
-    fn draft(&mut self, tasks: &[Task], budget: &Budget<'_>) -> Result<Result<Option<Vec<Arc<Way>>>, usize>, Spent> {
+    /// Ways for these tasks by the fast planner.
+    fn draft(&mut self, tasks: &[Task], budget: &Budget<'_>) -> Result<Drafted, Spent> {
         let mut fleet = match Fleet::new(self.field, tasks, budget) {
             Ok(fleet) => fleet,
-            Err(Ok(agent)) => return Ok(Err(agent)),
+            Err(Ok(agent)) => return Ok(Drafted::OutOfReach(agent)),
             Err(Err(spent)) => return Err(spent),
         };
         let planned = fleet.plan(self.options.batch.unwrap_or(tasks.len()), budget);
@@ -250,7 +264,7 @@ impl Planner<'_> {
         }
         self.effort.high_level_expanded += fleet.effort.high_level_expanded;
         self.effort.low_level_expanded += fleet.effort.low_level_expanded;
-        Ok(Ok(planned?.then(|| fleet.ways())))
+        Ok(if planned? { Drafted::Ways(fleet.ways()) } else { Drafted::Nothing })
     }
 
     /// The conflict tree: one whose assignment follows the constraints, where goals are to be assigned.

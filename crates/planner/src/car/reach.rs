@@ -41,6 +41,7 @@ pub(super) fn way(
         field,
         traffic: &empty,
         weights: &[],
+        prices: &field.prices,
         start,
         goal: Some(goal),
         rules: &[],

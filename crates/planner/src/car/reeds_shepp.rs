@@ -1,13 +1,14 @@
 //! Shortest curves of a car that drives both ways, no tighter than its turning radius, among no obstacles.
 //!
 //! # Source
-//! [Reeds & Shepp 1990] "Optimal paths for a car that goes both forwards and backwards", Pacific J. Math. 145(2), §8,
-//! formulas 8.1–8.11: nine families of words, each with its mirror images in time, left–right, and order. `φ` → `turn`,
+//! [ReedsShepp1990] §8, formulas 8.1–8.11: nine families of words, each with its mirror images in time, left–right, and order. `φ` → `turn`,
 //! `t, u, v` as printed. A shortest curve is always among them.
 //!
 //! # Deviations
 //! - Bearings are computed once per turning circle and carried over to the mirror images; 8.11 is written with them.
 //! - All words are given, not only the shortest: where a robot is in the way, the next one may be free.
+//!
+//! [ReedsShepp1990]: cohaul_core::_documentation::references
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::curve::{Curve, Place, Segment, Steer, wrap};
-use super::field::Field;
+use super::field::{Field, Prices};
 use super::{dubins, reeds_shepp};
 use crate::instance::Drive;
 
@@ -41,7 +41,7 @@ impl Shortlist {
 }
 
 /// The cheapest curves from `start`, reached in `gear`, to `goal` among no obstacles.
-pub(super) fn cheapest(field: &Field, gear: i8, start: &Place, goal: &Place) -> Shortlist {
+pub(super) fn cheapest(field: &Field, prices: &Prices, gear: i8, start: &Place, goal: &Place) -> Shortlist {
     let mut list = Shortlist::new();
     match field.drive {
         Drive::Car => {
@@ -51,7 +51,7 @@ pub(super) fn cheapest(field: &Field, gear: i8, start: &Place, goal: &Place) -> 
                 let mut gear = gear;
                 for (i, length) in word.lengths().iter().enumerate() {
                     if length.abs() > 1e-12 {
-                        let piece = field.segment_cost(gear, *length, !word.is_straight(i));
+                        let piece = field.segment_cost(prices, gear, *length, !word.is_straight(i));
                         price += piece;
                         gear = if *length < 0.0 { -1 } else { 1 };
                     }
@@ -61,12 +61,12 @@ pub(super) fn cheapest(field: &Field, gear: i8, start: &Place, goal: &Place) -> 
         }
         Drive::ForwardCar => dubins::words(start.towards(goal), |steers, lengths| {
             let curve = dubins::curve(steers, lengths);
-            list.offer(field.curve_cost(gear, &curve), || curve);
+            list.offer(field.curve_cost(prices, gear, &curve), || curve);
         }),
         Drive::Differential => {
             for backwards in [false, true] {
                 let curve = turn_drive_turn(start, goal, backwards);
-                list.offer(field.curve_cost(gear, &curve), || curve);
+                list.offer(field.curve_cost(prices, gear, &curve), || curve);
             }
         }
     }

@@ -52,12 +52,14 @@ impl Traffic {
             self.x[row * self.bodies + body] = x;
             self.y[row * self.bodies + body] = y;
         }
-        self.ways[body] = way;
+        let before = std::mem::replace(&mut self.ways[body], way);
         // rows at the end in which nobody moves any more are of no use
-        let last = self.ways.iter().flatten().map(|way| way.len()).max().unwrap_or(0);
-        self.rows = last + 1;
-        self.x.truncate(self.rows * self.bodies);
-        self.y.truncate(self.rows * self.bodies);
+        if before.is_some_and(|before| before.len() == self.settled()) {
+            let last = self.ways.iter().flatten().map(|way| way.len()).max().unwrap_or(0);
+            self.rows = last + 1;
+            self.x.truncate(self.rows * self.bodies);
+            self.y.truncate(self.rows * self.bodies);
+        }
     }
 
     /// Sum of `weights` over the bodies that are in the way of a body which drives `step` from `from` to `to` in the step
@@ -90,12 +92,12 @@ impl Traffic {
                 let mut sum = 0.0;
                 for (other, ((x, y), weight)) in xs.iter().zip(ys).zip(weights).enumerate() {
                     let (dx, dy) = (x - from.x, y - from.y);
-                    if *weight > 0.0 && dx * dx + dy * dy < reach * reach {
-                        if let Some(way) = &self.ways[other] {
-                            if !passes(field, from, step, way.place(time), way.step(time)) {
-                                sum += weight;
-                            }
-                        }
+                    if *weight > 0.0
+                        && dx * dx + dy * dy < reach * reach
+                        && let Some(way) = &self.ways[other]
+                        && !passes(field, from, step, way.place(time), way.step(time))
+                    {
+                        sum += weight;
                     }
                 }
                 sum

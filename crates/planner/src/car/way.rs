@@ -38,7 +38,7 @@ impl Way {
         for step in &steps {
             at = if step.length == 0.0 { at } else { at.after(*step) };
             places.push(at);
-            let (price, now) = field.cost(gear, *step);
+            let (price, now) = field.cost(&field.prices, gear, *step);
             cost += price;
             gear = now;
             length += if step.length == 0.0 { field.step } else { step.length.abs() };

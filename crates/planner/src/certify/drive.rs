@@ -11,6 +11,9 @@ use crate::plan::Route;
 
 /// By how much poses may be off wherever they come from, m and rad.
 const LEAST: f64 = 1e-6;
+/// Digits with which plans count as printed rather than as exact.
+const FEWEST_DIGITS: i32 = 6;
+const MOST_DIGITS: i32 = 9;
 /// Half a unit of the sixth digit of a yaw, which is at most a few radians.
 const PRINTED_ANGLE: f64 = 5e-6;
 
@@ -21,7 +24,7 @@ pub(super) struct Tolerance {
     pub position: f64,
     /// rad.
     pub angle: f64,
-    /// Whether the plan was printed with six digits.
+    /// Whether the plan was printed with few digits.
     pub is_printed: bool,
 }
 
@@ -29,18 +32,23 @@ impl Tolerance {
     /// From the coordinates of a plan, whose numbers are finite.
     pub(super) fn of(routes: &[Option<&Route<Pose2>>]) -> Self {
         let mut largest = 0.0_f64;
+        let mut digits = FEWEST_DIGITS;
         for pose in routes.iter().flatten().flat_map(|route| &route.states) {
             for value in position(pose).iter() {
-                let again: Option<f64> = format!("{value:.5e}").parse().ok();
-                if again != Some(*value) {
-                    return Self { position: LEAST, angle: LEAST, is_printed: false };
+                let again = |digits: i32| format!("{value:.*e}", digits as usize - 1).parse().ok() == Some(*value);
+                while !again(digits) {
+                    digits += 1;
+                    if digits > MOST_DIGITS {
+                        return Self { position: LEAST, angle: LEAST, is_printed: false };
+                    }
                 }
                 largest = largest.max(value.abs());
             }
         }
         // 123.456 has its first digit at 10², its sixth at 10⁻³
-        let sixth = if largest > 0.0 { 10_f64.powf(largest.log10().floor() - 5.0) } else { 0.0 };
-        Self { position: LEAST + 0.5 * sixth, angle: LEAST + PRINTED_ANGLE, is_printed: true }
+        let last = if largest > 0.0 { 10_f64.powf(largest.log10().floor() - f64::from(digits - 1)) } else { 0.0 };
+        let angle = PRINTED_ANGLE * 0.1_f64.powi(digits - FEWEST_DIGITS);
+        Self { position: LEAST + 0.5 * last, angle: LEAST + angle, is_printed: true }
     }
 
     /// Depth to which bodies may overlap that reach this far from their reference points, m.

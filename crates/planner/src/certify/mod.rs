@@ -184,7 +184,7 @@ pub fn grid(instance: &GridInstance, plan: &GridPlan) -> Vec<Violation> {
 ///
 /// # Tolerances
 /// Poses may be off by 1 µm and 1 µrad. Where every coordinate of a plan can be written with six digits, as the C++ programs
-/// print them, by half a unit of the sixth digit of the largest of them too. Steps, starts and goals are held against
+/// print them, or with up to nine, by half a unit of the last digit of the largest of them too. Steps, starts and goals are held against
 /// twice that; bodies may overlap by 1 µm, or by what the digits leave open.
 ///
 /// # Ways and costs
@@ -193,7 +193,7 @@ pub fn grid(instance: &GridInstance, plan: &GridPlan) -> Vec<Violation> {
 /// longest agent's way. The cost is the sum of ways, times the turning penalty where the step turns, times the reversing penalty
 /// where it goes backwards, times the switching penalty where it goes the other way than the last step before it that went
 /// either way. CL-CBS charges the last curve of each route without most penalties, and nothing in its files says where that
-/// curve begins: a plan of six digits may claim any cost from its flowtime to the cost with all penalties.
+/// curve begins: a plan of so few digits may claim any cost from its flowtime to the cost with all penalties.
 pub fn car(instance: &CarInstance, plan: &CarPlan, model: Model) -> Vec<Violation> {
     car::check(instance, plan, model)
 }

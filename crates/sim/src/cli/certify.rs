@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cohaul_planner::certify::Violation;
-use cohaul_planner::instance::Instance;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::plan;
 use super::{DONE, FAILED, say};
-use crate::files::{self, FileError};
-use crate::planning::{self, AnyPlan};
+use crate::files::FileError;
+use crate::planning::{self, AnyPlan, report};
 
 #[derive(Args)]
 pub(super) struct Certify {
@@ -19,9 +17,8 @@ pub(super) struct Certify {
     /// The instance that the plan is for.
     #[arg(long = "instance", value_name = "FILE")]
     file: PathBuf,
-    /// Write a page that plays the plan and shows what is wrong with it, HTML.
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    #[command(flatten)]
+    drawn: plan::Drawn,
     #[command(flatten)]
     instance: plan::Instance,
     /// Print one JSON object and nothing else.
@@ -34,13 +31,10 @@ pub(super) fn certify(arguments: &Certify) -> Result<i32, FileError> {
     let instance = &document.instance;
     let plan = AnyPlan::read(&arguments.plan, &document)?;
     let violations = plan.violations(instance, arguments.instance.touching());
-    if let Some(path) = &arguments.page {
-        let title = arguments.plan.file_stem().unwrap_or_default().display().to_string();
-        files::write_text(path, &plan.page(&title, instance, &violations))?;
-    }
+    arguments.drawn.write(&arguments.plan, &plan, instance, &violations)?;
     let ok = violations.is_empty();
     if arguments.json {
-        let listed: Vec<Value> = violations.iter().map(|violation| as_json(violation, instance)).collect();
+        let listed = report::violations(&violations, instance);
         say(&json!({ "ok": ok, "violations": listed }).to_string());
     } else if let Some(first) = violations.first() {
         say(&format!("{}: {first}", arguments.plan.display()));
@@ -51,9 +45,4 @@ pub(super) fn certify(arguments: &Certify) -> Result<i32, FileError> {
         say(&format!("{}: ok", arguments.plan.display()));
     }
     Ok(if ok { DONE } else { FAILED })
-}
-
-fn as_json(violation: &Violation, instance: &Instance) -> Value {
-    let agents: Vec<String> = violation.agents.iter().map(|agent| planning::name(instance, *agent)).collect();
-    json!({"kind": violation.kind.name(), "time": violation.time, "agents": agents, "detail": violation.detail})
 }

@@ -51,7 +51,7 @@ pub(super) fn check(arguments: &Check) -> Result<i32, FileError> {
     Ok(DONE)
 }
 
-fn way(planned: &Planned) -> Value {
+pub(super) fn way(planned: &Planned) -> Value {
     let path = &planned.path;
     json!({
         "team": planned.team,

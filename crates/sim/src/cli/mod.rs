@@ -14,6 +14,7 @@ mod recover;
 mod replay;
 mod reproduce;
 mod run;
+mod ways;
 
 use std::io::{IsTerminal, Write, stderr, stdout};
 use std::path::Path;

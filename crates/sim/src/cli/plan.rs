@@ -1,16 +1,18 @@
 //! `cohaul plan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use cohaul_planner::car;
+use cohaul_planner::certify::Violation;
 use cohaul_planner::io::schedule::Statistics;
 use cohaul_planner::outcome::Outcome;
+use cohaul_planner::{car, instance};
 use serde_json::{Value, json};
 
+use super::ways;
 use super::{DONE, FAILED, INTERRUPTED, USAGE, as_object, complain, say};
 use crate::files::{self, FileError};
-use crate::planning::{self, Answer, AnyPlan, Planner, Request, Source};
+use crate::planning::{self, AnyPlan, Planner, Request, Source, report};
 use crate::stopwatch::Stopwatch;
 
 /// When bodies count as touching.
@@ -31,8 +33,8 @@ pub(super) struct Instance {
     #[arg(long, value_name = "CONFIG")]
     vehicle: Option<PathBuf>,
     /// Only the first N agents.
-    #[arg(long, value_name = "N")]
-    agents: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    agents: Option<u32>,
     /// When bodies count as touching.
     #[arg(long, value_enum, default_value = "clcbs")]
     model: Model,
@@ -71,16 +73,52 @@ impl Instance {
         Source {
             map: self.map.clone(),
             vehicle: self.vehicle.clone(),
-            agents: self.agents,
+            agents: self.agents.map(|agents| agents as usize),
             free_starts: self.starts == Starts::Free,
         }
     }
 }
 
+/// What is drawn of a plan, violations included.
+#[derive(Args)]
+pub(super) struct Drawn {
+    /// Write a page that plays the plan, HTML.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+    /// Write a picture of the plan, SVG.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+impl Drawn {
+    const fn is_wanted(&self) -> bool {
+        self.page.is_some() || self.picture.is_some()
+    }
+
+    /// Writes what is wanted, under the name of `file`; gives where the page and the picture are.
+    pub(super) fn write(
+        &self,
+        file: &Path,
+        plan: &AnyPlan,
+        instance: &instance::Instance,
+        violations: &[Violation],
+    ) -> Result<(Option<&Path>, Option<&Path>), FileError> {
+        let title = file.file_stem().unwrap_or_default().display().to_string();
+        if let Some(path) = &self.page {
+            files::write_text(path, &plan.page(&title, instance, violations))?;
+        }
+        if let Some(path) = &self.picture {
+            files::write_text(path, &plan.picture(&title, instance, violations))?;
+        }
+        Ok((self.page.as_deref(), self.picture.as_deref()))
+    }
+}
+
 #[derive(Args)]
 pub(super) struct Plan {
-    /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map.
-    file: PathBuf,
+    /// Instance: YAML of libMultiRobotPlanning or CL-CBS, or a MovingAI .scen file beside its .map; or the scenario of a mission,
+    /// whose loads with `plan: auto` get their ways.
+    pub(super) file: PathBuf,
     /// Search: cbs or ecbs for grids (cbs-ta, ecbs-ta, ita-cbs or ita-ecbs where goals are to be assigned), cl-cbs for bodies that
     /// drive.
     #[arg(long, value_name = "NAME", value_parser = planner)]
@@ -101,14 +139,27 @@ pub(super) struct Plan {
     /// Write the plan, in the layout of libMultiRobotPlanning.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write a page that plays the plan, HTML.
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    #[command(flatten)]
+    drawn: Drawn,
     #[command(flatten)]
     instance: Instance,
     /// Print one JSON object and nothing else.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+impl Plan {
+    /// An option that was given and means nothing for missions.
+    pub(super) fn of_no_use_for_missions(&self) -> Option<&'static str> {
+        let given = [
+            ("--planner", self.planner.is_some()),
+            ("--bound", self.bound.is_some()),
+            ("--batch", self.batch.is_some()),
+            ("--out", self.out.is_some()),
+            ("--page and --picture", self.drawn.is_wanted()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
 }
 
 fn planner(text: &str) -> Result<Planner, String> {
@@ -128,6 +179,9 @@ fn timeout(text: &str) -> Result<f64, String> {
 
 pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i32, FileError> {
     let watch = Stopwatch::start();
+    if planning::is_mission(&arguments.file)? {
+        return ways::plan(arguments, &watch);
+    }
     let document = planning::read(&arguments.file, &arguments.instance.source())?;
     let instance = &document.instance;
     let planner = arguments.planner.unwrap_or_else(|| Planner::for_instance(instance));
@@ -153,31 +207,19 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
         (Outcome::Solved(plan), Some(path)) => {
             let statistics = Statistics { effort: answer.effort, runtime: Some(answer.runtime) };
             files::write_text(path, &plan.to_text(document.heading, &statistics))?;
-            Some(path)
+            Some(path.as_path())
         }
         _ => None,
     };
-    let page = match (&answer.outcome, &arguments.page) {
-        (Outcome::Solved(plan), Some(path)) => {
-            let title = arguments.file.file_stem().unwrap_or_default().display().to_string();
-            files::write_text(path, &plan.page(&title, instance, &plan.violations(instance, model)))?;
-            Some(path)
+    let (page, picture) = match &answer.outcome {
+        Outcome::Solved(plan) if arguments.drawn.is_wanted() => {
+            arguments.drawn.write(&arguments.file, plan, instance, &plan.violations(instance, model))?
         }
-        _ => None,
+        _ => (None, None),
     };
-    let reasons: Vec<Value> = match &answer.outcome {
-        Outcome::Infeasible(reasons) => reasons
-            .iter()
-            .map(|reason| {
-                let agents: Vec<String> =
-                    reason.agents().iter().map(|agent| planning::name(instance, *agent)).collect();
-                json!({"kind": planning::kind(reason), "agents": agents, "detail": planning::explain(reason, instance)})
-            })
-            .collect(),
-        _ => Vec::new(),
-    };
+    let reasons = report::reasons(&answer, instance);
     if arguments.json {
-        let mut object = as_object(summary(&answer, &reasons, arguments.timeout));
+        let mut object = as_object(report::summary(&answer, &reasons, arguments.timeout));
         let rest = json!({
             "file": arguments.file,
             "agents": instance.agents(),
@@ -186,16 +228,22 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
             "wall_s": watch.seconds().1,
             "plan": written,
             "page": page,
+            "picture": picture,
         });
         object.extend(as_object(rest));
         say(&Value::Object(object).to_string());
     } else {
         let agents = instance.agents();
         say(&format!("{}: {agents} agents, {}", arguments.file.display(), planner.name()));
-        for (label, value) in rows(&answer, &reasons, arguments.timeout) {
+        for (label, value) in report::rows(&answer, &reasons, arguments.timeout) {
             say(&format!("  {label:<14}{value}"));
         }
-        for (label, path) in [("plan", written), ("page", page)] {
+        if let (None, Some(path)) = (written, &arguments.out)
+            && files::exists(path)
+        {
+            say(&format!("  {:<14}not written; what is in {} is older", "plan", path.display()));
+        }
+        for (label, path) in [("plan", written), ("page", page), ("picture", picture)] {
             if let Some(path) = path {
                 say(&format!("  {label:<14}{}", path.display()));
             }
@@ -206,81 +254,4 @@ pub(super) fn plan(arguments: &Plan, interrupted: &dyn Fn() -> bool) -> Result<i
         Outcome::Solved(_) => DONE,
         _ => FAILED,
     })
-}
-
-fn status(outcome: &Outcome<AnyPlan>) -> &'static str {
-    match outcome {
-        Outcome::Solved(_) => "solved",
-        Outcome::Infeasible(_) => "infeasible",
-        Outcome::BudgetSpent { .. } => "budget_spent",
-    }
-}
-
-/// Why there is no plan, in a line.
-fn reason(answer: &Answer, reasons: &[Value], timeout: f64) -> Option<String> {
-    match &answer.outcome {
-        Outcome::Solved(_) => None,
-        Outcome::Infeasible(_) => {
-            let details: Vec<&str> = reasons.iter().filter_map(|reason| reason["detail"].as_str()).collect();
-            Some(details.join("; "))
-        }
-        Outcome::BudgetSpent { .. } => {
-            Some(format!("stopped before an answer was found (limit {timeout} s of CPU time)"))
-        }
-    }
-}
-
-fn summary(answer: &Answer, reasons: &[Value], timeout: f64) -> Value {
-    let claims = match &answer.outcome {
-        Outcome::Solved(plan) => *plan.claims(),
-        Outcome::BudgetSpent { best_bound } => {
-            cohaul_planner::plan::Claims { lower_bound: Some(*best_bound), ..Default::default() }
-        }
-        Outcome::Infeasible(_) => Default::default(),
-    };
-    json!({
-        "status": status(&answer.outcome),
-        "reason": reason(answer, reasons, timeout),
-        "reasons": reasons,
-        "cost": claims.cost,
-        "lower_bound": claims.lower_bound,
-        "bound": claims.bound,
-        "makespan": claims.makespan,
-        "flowtime": claims.flowtime,
-        "runtime_s": answer.runtime,
-        "high_level_expanded": answer.effort.high_level_expanded,
-        "low_level_expanded": answer.effort.low_level_expanded,
-        "assignments": answer.effort.assignments,
-    })
-}
-
-fn rows(answer: &Answer, reasons: &[Value], timeout: f64) -> Vec<(&'static str, String)> {
-    let mut rows = vec![("status", status(&answer.outcome).replace('_', " "))];
-    if reasons.is_empty() {
-        rows.extend(reason(answer, reasons, timeout).map(|reason| ("because", reason)));
-    }
-    let details = reasons.iter().filter_map(|reason| reason["detail"].as_str());
-    rows.extend(details.map(|detail| ("because", detail.to_owned())));
-    if let Outcome::Solved(plan) = &answer.outcome {
-        let claims = plan.claims();
-        let numbers = [
-            ("cost", claims.cost),
-            ("lower bound", claims.lower_bound),
-            ("makespan", claims.makespan),
-            ("flowtime", claims.flowtime),
-        ];
-        // three digits are enough for people; files have all of them
-        rows.extend(numbers.into_iter().filter_map(|(label, value)| Some((label, three_digits(value?)))));
-    }
-    let effort = answer.effort;
-    rows.push((
-        "expanded",
-        format!("{} high level, {} low level", effort.high_level_expanded, effort.low_level_expanded),
-    ));
-    rows.push(("CPU time", format!("{:.4} s", answer.runtime)));
-    rows
-}
-
-fn three_digits(value: f64) -> String {
-    if value.fract() == 0.0 { value.to_string() } else { format!("{value:.3}") }
 }
