@@ -66,7 +66,7 @@ fn goals_that_are_assigned() {
             all_solved(&CarShape { goals, vehicle, ..shape(50, 8, 20) }, 501..506, |_, _| {});
         }
         all_solved(&CarShape { goals, ..shape(100, 15, 50) }, 501..503, |_, options| {
-            options.metric = Metric::Manhattan
+            options.metric = Metric::Manhattan;
         });
     }
 }
@@ -113,7 +113,7 @@ fn starts_inside_obstacles_where_they_may() {
             instance.agents.iter().map(|agent| agent.start * nalgebra::Point2::new(0.5, 1.5)).collect();
         instance.obstacles.extend(points.into_iter().step_by(3).map(|at| super::point(at.x, at.y)));
         let clear = super::reasons(plan(&instance, &options(Model::Clcbs)), &what);
-        assert!(clear.iter().all(|reason| matches!(reason, cohaul_planner::outcome::Reason::StartBlocked { .. })));
+        assert!(clear.iter().all(|reason| matches!(reason, Reason::StartBlocked { .. })));
         instance.free_starts = true;
         solved(&instance, &options(Model::Clcbs), &what);
     }
