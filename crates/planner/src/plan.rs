@@ -41,7 +41,7 @@ pub struct Claims {
     pub makespan: Option<f64>,
     /// Grids: the sum over agents of the step of the last arrival; cars: the sum of the agents' ways in metres, a wait counting one step's length.
     pub flowtime: Option<f64>,
-    /// No plan can cost less.
+    /// No plan can cost less; for cars within a bound no plan of the search space, see [`car`](crate::car).
     pub lower_bound: Option<f64>,
     /// The cost is at most this times the lower bound.
     pub bound: Option<f64>,

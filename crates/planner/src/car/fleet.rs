@@ -6,7 +6,8 @@
 //!
 //! # Deviations
 //! - Rounds are counted, not timed: the same instance gives the same plan.
-//! - Neighbourhoods are a body and those that keep it from its own best way; nothing is drawn at random.
+//! - Neighbourhoods are bodies that meet and those that keep them from their own best ways; where that does not help, others
+//!   too. What is drawn comes from a fixed sequence.
 //!
 //! [Li2022]: cohaul_core::_documentation::references
 //! [McMurchie1995]: cohaul_core::_documentation::references
@@ -27,9 +28,8 @@ pub(super) const LIMIT: u64 = 2_000;
 /// Most rounds of negotiation, which ends sooner where it gets no further, then of repair around single conflicts.
 const ROUNDS: usize = 12;
 const REPAIRS: usize = 2_000;
-/// Factors on what lies ahead in negotiation and in improvement: greedy searches find detours sooner.
-const GREED: f64 = 1.5;
-pub(super) const GREED_LATE: f64 = 1.5;
+/// Factor on what lies ahead: greedy searches find detours sooner.
+pub(super) const GREED: f64 = 1.5;
 /// What the first meetings cost, in steps, and by how much it grows each round.
 const FIRST_WEIGHT: f64 = 1.0;
 const GROWTH: f64 = 1.3;
@@ -224,7 +224,7 @@ impl<'a> Fleet<'a> {
                 }
                 group.extend(near);
             }
-            // whoever comes close to either, drawn at random
+            // anybody, where it does not get ahead
             for _ in 0..stuck.min(4) {
                 group.push(draw(self.tasks.len()));
             }
@@ -248,7 +248,7 @@ impl<'a> Fleet<'a> {
             let limit = LIMIT << (stuck / 16).min(3);
             let mut complete = true;
             for member in &group {
-                match self.replan(*member, GREED_LATE, limit, f64::INFINITY, budget)? {
+                match self.replan(*member, GREED, limit, f64::INFINITY, budget)? {
                     Some((way, _)) => self.traffic.set(*member, Some(Arc::new(way))),
                     None => complete = false,
                 }

@@ -5,7 +5,7 @@
 //! analytic curve to the goal is tried wherever a state is expanded.
 //!
 //! # Deviations
-//! - The curve is tried with every word, not only the shortest, and the search goes on until no state could still lead to
+//! - The curve is tried with the four cheapest words, not only the shortest, and the search goes on until no state could still lead to
 //!   a way that is cheaper by more than `ratio`: the first curve that fits is rarely the best.
 //! - A goal counts as reached only if nobody drives over it afterwards; the original forgets that.
 //! - After the last motion of the others time is no longer told apart, so that the search space is finite.

@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use super::field::Prices;
-use super::fleet::{Fleet, GREED_LATE, LIMIT};
+use super::fleet::{Fleet, GREED, LIMIT};
 use super::hybrid_astar::{Ask, Care};
 use super::traffic::Traffic;
 use super::way::Way;
@@ -106,7 +106,7 @@ impl Fleet<'_> {
         let mut done = Ok(true);
         for (rank, member) in group.iter().enumerate() {
             self.prices = if rank == 0 { Prices::LENGTH } else { self.field.prices };
-            match self.replan(*member, GREED_LATE, LIMIT, f64::INFINITY, budget) {
+            match self.replan(*member, GREED, LIMIT, f64::INFINITY, budget) {
                 Ok(Some((way, _))) => {
                     after += way.cost;
                     self.traffic.set(*member, Some(Arc::new(way)));
@@ -141,7 +141,7 @@ impl Fleet<'_> {
         for member in &group {
             least -= self.alone[*member].cost;
             let below = before - after - least - 1e-6;
-            let found = self.replan(*member, GREED_LATE, LIMIT, below, budget);
+            let found = self.replan(*member, GREED, LIMIT, below, budget);
             match found {
                 Ok(Some((way, _))) => {
                     after += way.cost;

@@ -10,7 +10,9 @@
 //! - Instances without any solution are told with their reasons.
 //!
 //! Costs are lengths with penalties; the lower bound is the sum of the shortest curves that the bodies can drive with
-//! nothing in their way, over the best assignment of goals.
+//! nothing in their way, over the best assignment of goals: no plan at all costs less. Where the tree was grown for `bound`, it
+//! may be larger: then no plan of the search space costs less, which is whole steps and waits, then one curve. A plan with
+//! shorter steps might.
 //!
 //! [CL-CBS]: cohaul_core::_documentation::references
 
